@@ -56,8 +56,8 @@ Result<void> BoardLine::begin() {
   identity_ = *identity;
   last_tick_ = identity_.tick;
   if (identity_.status & KZ_STATUS_ENABLED) {
-    return fail(Fault::environment,
-                "motors of the board on " + link_.name() + " are on: switch them off first");
+    return fail(Fault::environment, "the board at " + link_.name() +
+                                        " has motors that are on: switch the motors off first");
   }
   const auto heard = query(KZ_TYPE_heartbeat, kz_heartbeat{kWatchdog10ms, 0}, kz_pack_heartbeat,
                            kz_unpack_heartbeat_reply);

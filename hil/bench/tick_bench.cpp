@@ -209,8 +209,8 @@ class TickBench {
                 "delay, ms",
                 false,
                 {std::move(plotted)},
-                "Delay of each telemetry frame from its tick to its arrival, minus the mean delay, "
-                "without load."});
+                "Delay of each telemetry frame from its tick to its arrival, without load. The "
+                "mean delay is subtracted."});
   }
 
   static constexpr const char* kNoStream =

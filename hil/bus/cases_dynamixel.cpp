@@ -269,8 +269,8 @@ void add_instruction_cases(ServoCases cases) {
         equal("Status Return Level", servo.value(level), 2);
       });
   cases.add("instructions.indirect",
-            "The registers Indirect Data access the bytes at the indirect addresses.", "registers",
-            [](ExaminedServo& servo) {
+            "A read or write of a register Indirect Data reaches the byte at its indirect address.",
+            "registers", [](ExaminedServo& servo) {
               const ServoTable& table = servo.table();
               servo.keep(led(servo));
               equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);

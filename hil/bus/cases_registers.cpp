@@ -102,7 +102,7 @@ void add_write_to_all(ServoCases cases, ServoFamily family,
 }
 
 void add_register_cases(ServoCases cases, ServoFamily family) {
-  cases.add("registers.readable", "Each register can be read by itself.", "registers",
+  cases.add("registers.readable", "Each register can be read with a separate request.", "registers",
             [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) { (void)servo.value(row); });
             });

@@ -83,7 +83,7 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "locked", "`raw_drive` and `set_address` are refused with LOCKED without `unlock`.",
+      "locked", "Without `unlock`, `raw_drive` and `set_address` are refused with LOCKED.",
       "BENCH-2",
       [](Board& b) {
         b.refused("raw_drive", drive(0, 50, 100), KZ_REFUSED_LOCKED);

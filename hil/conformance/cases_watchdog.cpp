@@ -65,7 +65,7 @@ void add_limits(Chapter& to) {
         limit < 10 ? kMotion | kExact : kMotion);
   }
   to.add(
-      "not-before", "The motors are on until shortly before the limit.", "SAFE-5",
+      "not-before", "The motors stay on if the silence is shorter than the limit.", "SAFE-5",
       [](Board& b) {
         b.enable(1);
         for (int n = 0; n < 5; ++n) {
@@ -168,20 +168,21 @@ void add_reactions(Chapter& to) {
              equal("ON", b.joints(3).number("faults", j) & KZ_JOINT_ON, KZ_JOINT_ON);
            }
          });
-  to.add("hold-ends-ramps", "HOLD: ramps end at their current commands.", "SAFE-7", [](Board& b) {
-    b.watchdog(0, KZ_REACTION_HOLD);
-    b.enable(1);
-    const long from = b.angle(0), goal = from > 0 ? from - 8000 : from + 8000;
-    b.target(0, goal, 1000);
-    b.wait(200);
-    check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set");
-    const long at = b.angle(0);
-    within("distance until the reaction", goal > from ? at - from : from - at, 200, 1400);
-    for (int n = 0; n < 5; ++n) {
-      b.wait(60);
-      within("angle while holding", b.angle(0), at - kHunting, at + kHunting);
-    }
-  });
+  to.add("hold-ends-ramps", "HOLD: each ramp stops at its current command.", "SAFE-7",
+         [](Board& b) {
+           b.watchdog(0, KZ_REACTION_HOLD);
+           b.enable(1);
+           const long from = b.angle(0), goal = from > 0 ? from - 8000 : from + 8000;
+           b.target(0, goal, 1000);
+           b.wait(200);
+           check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set");
+           const long at = b.angle(0);
+           within("distance until the reaction", goal > from ? at - from : from - at, 200, 1400);
+           for (int n = 0; n < 5; ++n) {
+             b.wait(60);
+             within("angle while holding", b.angle(0), at - kHunting, at + kHunting);
+           }
+         });
   to.add(
       "hold-drives", "HOLD: the motor drives against a hand that turns the joint.", "SAFE-7",
       [](Board& b) {
@@ -213,8 +214,9 @@ void add_reactions(Chapter& to) {
            b.expect_off();
          });
   to.add("hold-clear",
-         "HOLD: `clear` switches the motors off. `enable` then takes the present angles.", "SAFE-7",
-         [](Board& b) {
+         "HOLD: `clear` switches the motors off. A later `enable` sets each target to the present "
+         "angle.",
+         "SAFE-7", [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);
            b.wait(150);

@@ -149,9 +149,9 @@ class Recorder {
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
       return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)
-      return wrong(
-          Fault::usage,
-          "has its EEPROM unlocked, so that gains would persist: write 1 to its register lock");
+      return wrong(Fault::usage,
+                   "has an unlocked EEPROM, which would keep the changed gains: write 1 to its "
+                   "register lock");
     return {};
   }
 
@@ -207,13 +207,15 @@ class Recorder {
       return wrong(Fault::environment, text);
     }
     if (record_.celsius > options_.max_celsius) {
-      std::snprintf(text, sizeof text,
-                    "is at %.0f degC: must be at most %.0f degC; let the servo cool",
-                    record_.celsius, options_.max_celsius);
+      std::snprintf(
+          text, sizeof text,
+          "is too hot: it is at %.0f degC, and the limit is %.0f degC; let the servo cool",
+          record_.celsius, options_.max_celsius);
       return wrong(Fault::environment, text);
     }
     if (std::abs(now.amps) > options_.max_amps) {
-      std::snprintf(text, sizeof text, "draws %.2f A: must be at most %.2f A; use a lighter weight",
+      std::snprintf(text, sizeof text,
+                    "draws too much current: %.2f A, and the limit is %.2f A; use a lighter weight",
                     now.amps, options_.max_amps);
       return wrong(Fault::environment, text);
     }
@@ -384,7 +386,7 @@ class Recorder {
     }
     if (!off) left = kMayHold + (left.empty() ? "" : "; " + left);
     if (left.empty()) return {};
-    return wrong(Fault::environment, "is not as it was: " + left);
+    return wrong(Fault::environment, "was not fully restored: " + left);
   }
 
   host::Link& link_;

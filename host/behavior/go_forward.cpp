@@ -19,10 +19,11 @@ bool is_balance(std::string_view text) {
 }
 
 constexpr Option kOptions[] = {
-    {"distance", "0.5", "", -2, 5, "distance in m, at least 0.05; a negative distance is backward"},
+    {"distance", "0.5", "", -2, 5,
+     "distance in m, at least 0.05 forward or backward; a negative value means backward"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had no gyro"},
     {"balance", "none", "none|learned|FILE", 0, 0,
-     "learned: a small neural network corrects the gait against pushes (needs --imu)", false,
+     "learned: a small neural network adjusts the gait to withstand pushes (needs --imu)", false,
      is_balance},
 };
 

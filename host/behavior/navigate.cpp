@@ -33,7 +33,8 @@ constexpr Option kOptions[] = {
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
-     "floor that is not seen yet: costly doubles its cost, closed forbids it"},
+     "paths over floor that was not seen yet: costly doubles their cost, closed forbids such "
+     "paths"},
     {"planner", "grid", "grid|ompl", 0, 0,
      "grid searches cells and headings; ompl samples random poses (OMPL's ABIT*) and does not "
      "support turns=paper"},

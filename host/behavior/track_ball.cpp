@@ -65,9 +65,9 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
   outcome.success = share >= kShare;
   char text[160];
   std::snprintf(text, sizeof text,
-                "the ball was found after %.1f s; share of %zu pictures with the ball within 3 "
-                "degrees of the image center: by vision %.0f %%",
-                found_s, taken, std::min(share * 100, 100.0));
+                "the ball was found after %.1f s, and was within 3 degrees of the image center in "
+                "%.0f %% of %zu pictures by vision",
+                found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
   if (!outcome.success)
     outcome.sentence += ", less than " + std::to_string(std::lround(kShare * 100)) + " %";

@@ -78,7 +78,7 @@ void whole(benchmark::State& state, int width) {
   if (!ready || static_cast<std::uint64_t>(entered) != frames)
     state.SkipWithError("a picture did not reach the map");
   if (static_cast<std::uint64_t>(moved) != frames)
-    state.SkipWithError("independent motion failed on a picture");
+    state.SkipWithError("the detection of independent motion failed on a picture");
 }
 
 BENCHMARK_CAPTURE(whole, 320, 320)

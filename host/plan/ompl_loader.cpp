@@ -36,7 +36,7 @@ Result<std::unique_ptr<Planner>> load_ompl_planner(const OmplOptions& options,
   const auto* const module = static_cast<const OmplModule*>(dlsym(object, kOmplModuleSymbol));
   if (module == nullptr || module->interface != std::string_view(KAZ_INTERFACE_ID))
     return tl::unexpected(
-        not_loaded(path, "the planner was built for another Kaz than this program"));
+        not_loaded(path, "the planner was built with other Kaz headers than this program"));
   return module->make(options);
 }
 

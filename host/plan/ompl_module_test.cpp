@@ -37,7 +37,7 @@ TEST(OmplModule, IsRefusedWithItsPathAndTheReason) {
   for (const auto& [path, reason] :
        {std::pair<std::string, std::string>{"/none/ompl_planner.so", "No such file"},
         {text, "too short"},
-        {KAZ_STALE_OMPL_MODULE, "for another Kaz"}}) {
+        {KAZ_STALE_OMPL_MODULE, "with other Kaz headers"}}) {
     SCOPED_TRACE(path);
     const auto refused = load_ompl_planner({}, path);
     ASSERT_FALSE(refused);

@@ -360,7 +360,9 @@ class OmplPlanner final : public Planner {
 
 Result<std::unique_ptr<Planner>> make_ompl_planner(const OmplOptions& options) {
   if (options.batches < 1 || options.batch_size < 1)
-    return fail(Fault::usage, "plan: the planner ompl needs at least one batch of one pose");
+    return fail(
+        Fault::usage,
+        "plan: the planner ompl needs at least one batch, with at least one pose per batch");
   return std::make_unique<OmplPlanner>(options);
 }
 

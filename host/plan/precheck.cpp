@@ -18,7 +18,7 @@ Result<void> check(const Grid& grid, const Pose& start, const Goal& goal, const 
   if (grid.cells_x < 1 || grid.cells_y < 1 || !(grid.cell_m > 0) ||
       grid.state.size() !=
           static_cast<std::size_t>(grid.cells_x) * static_cast<std::size_t>(grid.cells_y))
-    return wrong("the grid has no cells, or their number does not match its sides");
+    return wrong("the grid must have at least one cell, cells above 0 m, and one state per cell");
   if (grid.state.size() > kMaxCells) return wrong("the grid has too many cells");
   if (!start.position.allFinite() || !goal.position.allFinite() ||
       !std::isfinite(start.heading_rad) ||

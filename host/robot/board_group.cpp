@@ -73,7 +73,7 @@ class BoardGroup::Links final : public Link {
 
  private:
   static Result<void> no_bytes() {
-    return fail(Fault::usage, "several boards do not share one line: give the port of one board");
+    return fail(Fault::usage, "several boards have no common line: give the port of one board");
   }
   BoardGroup& group_;
 };
@@ -310,9 +310,8 @@ Result<void> check_boards(std::span<const RobotBoard> boards) {
   std::uint32_t all = 0;
   for (const RobotBoard& board : boards) {
     if (board.joints == 0 || (board.joints & ~kAllJoints) != 0)
-      return fail(
-          Fault::usage,
-          "a board has no joint, or a joint that Kaz does not have: give each board its joints");
+      return fail(Fault::usage,
+                  "the joints of a board are missing or unknown: give each board its joints");
     if (const std::uint32_t twice = all & board.joints)
       return fail(Fault::usage,
                   "two boards drive " + joint_names_of(twice) + ": assign each joint to one board");

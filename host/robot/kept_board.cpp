@@ -248,7 +248,7 @@ class Return {
                                           " although another address was stored");
     if (at != state_.address) put(step_);
     if (is_shared(identity) != state_.shared_line)
-      put(state_.shared_line ? "its line is shared" : "its line is not shared");
+      put(state_.shared_line ? "line set to shared" : "line set to not shared");
     return {};
   }
 

@@ -339,7 +339,7 @@ class Boards {
                         (decoded.framing_error ? ", the stop bit is low" : ""),
                     "", "");
     if (decoded.value != reported.value || decoded.start + KZ_STATES_PER_BYTE != reported.at)
-      differ(decoded.start, "TxD0 shows a byte other than the channel has sent",
+      differ(decoded.start, "a byte at TxD0 differs from the channel's byte in value or time",
              std::to_string(decoded.value), std::to_string(reported.value));
   }
 
@@ -516,8 +516,8 @@ std::string WireReport::text() const {
   std::string text;
   if (equal()) {
     std::snprintf(line, sizeof line,
-                  "no difference in %s: %lld requests (at least %lld in each), %lld "
-                  "frames back, %lld bytes at TxD0",
+                  "no difference in %s: %lld requests sent (at least %lld per conversation), "
+                  "%lld frames received, %lld bytes at TxD0",
                   counted(conversations, "conversation").c_str(), static_cast<long long>(requests),
                   static_cast<long long>(fewest_requests), static_cast<long long>(replies),
                   static_cast<long long>(bytes));
@@ -569,7 +569,7 @@ std::string WireReport::text() const {
     text += kind + " " + std::to_string(count) + ",";
   }
   text.back() = '\n';
-  text += "  frames back:";
+  text += "  frames received:";
   for (const auto& [type, count] : by_type) {
     text += ' ';
     text += name_of(type) + " " + std::to_string(count) + ",";
@@ -594,7 +594,7 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     ++report.different;
     report.differences.push_back(
         {0, 0,
-         "the start-up time differs on the native board; if the image has grown, set "
+         "the start-up time of the native board differs from h8; if the image has grown, set "
          "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to the start-up time of h8",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;

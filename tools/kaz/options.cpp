@@ -98,8 +98,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->capture_default_str();
   verb.add_option("--physics-step", options.physics_step_ms,
                   "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
-                  "stays at 1 ms. Worlds with thrown balls need at most 1 ms, and servos need at "
-                  "most 2 ms (docs/explanation/dynamics.md)")
+                  "stays at 1 ms. Choose at most 1 ms if a ball is thrown, and at most 2 ms if the "
+                  "robot's motors are on (docs/explanation/dynamics.md)")
       ->check(number())
       ->type_name("MS")
       ->capture_default_str();
@@ -108,8 +108,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinhole cameras without noise; real: cameras with lens, exposure and noise, "
-             "whose pictures are rectified; none: no cameras, for behaviors that use no pictures");
+             "ideal: pinhole cameras without noise; real: cameras with lens, exposure and noise; "
+             "their pictures are rectified; none: no cameras, for behaviors that use no pictures");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
       ->check(CLI::IsMember({320, 640}));

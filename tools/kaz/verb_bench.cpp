@@ -61,7 +61,8 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
                   "motor stand of the board at the port. ctl:PATH is the control socket of kaz sim "
-                  "--stand. With manual, prompts say when to clamp, press and read. Without "
+                  "--stand. With --stand manual, prompts tell you when to clamp the shaft, press "
+                  "on it and read the scale. Without "
                   "--stand, measurements that need a stand are left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
@@ -71,7 +72,8 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str();
   verb.add_option("--filter", arguments.filter,
                   "make only the measurements whose names match this regular expression. "
-                  "Measurements that always run together all run if one of their names matches")
+                  "Some measurements always run together as a group. A group runs if the name of "
+                  "one of its measurements matches")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
@@ -96,14 +98,14 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
-          ? "for link and tick: switch the joints on and hold the joints still, for a realistic "
-            "load. For motors at a port without a stand: let each joint move at full speed through "
-            "its range"
+          ? "for the measurements of link and tick: switch the joints on and hold the joints "
+            "still, for a realistic load. For the measurements of motors at a port without a "
+            "stand: let each joint move at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
-            "--allow-motion, the board refuses the target frames; refused frames are as long as "
-            "accepted frames");
+            "--allow-motion, the board refuses the targets, but the frames on the line have the "
+            "same length");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
@@ -250,7 +252,8 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
 
 void add_fit(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
-      "fit", "fit the motor model, so that the simulated bench gives the measurements of a report");
+      "fit",
+      "fit the motor model, so that the simulated bench reproduces the measurements in a report");
   auto arguments = std::make_shared<BenchFitOptions>();
   verb->add_option("REPORT", arguments->report,
                    "result.json of `kaz bench motor`, or the folder that contains result.json")
@@ -266,7 +269,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
       ->type_name("NAME");
   add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
              "microcontroller of the simulated board: h8 executes the firmware image; native is "
-             "five times as fast, but motions start with an error of 0.1 ms");
+             "five times as fast, but the start times of motions have an error of 0.1 ms");
   verb->add_option("--image", arguments->model.image,
                    "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");

@@ -63,9 +63,9 @@ void add_record(CLI::App& bus, Action& action) {
       ->check(between(1.0, 120.0))
       ->capture_default_str()
       ->type_name("S");
-  verb->add_flag(
-      "--release", options->release,
-      "first switch off the servos' torque, which lets the robot go limp; hold the robot");
+  verb->add_flag("--release", options->release,
+                 "switch off the servos' torque before the recording starts; hold the robot, "
+                 "because it goes limp");
   verb->add_flag("--json", options->json,
                  "print a summary of the recording as JSON, without progress messages");
   verb->footer(

@@ -118,8 +118,9 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->capture_default_str();
   add_address(verb, options.backend.address);
   verb.add_option("--only", options.only,
-                  "stops: calibrate only with the suspended robot, by mechanical stops; floor: "
-                  "calibrate only with the standing robot, after a calibration by stops; gauge: no "
+                  "stops: only the calibration by mechanical stops, with the robot suspended; "
+                  "floor: only the calibration with the robot standing, which needs an earlier "
+                  "calibration by stops; gauge: no "
                   "joint moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
   verb.add_option("--gauge", options.gauge,
@@ -165,8 +166,8 @@ void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
       ->capture_default_str()
       ->type_name("S");
   verb.add_flag("--release", options.release,
-                "on a servo bus: first switch off the servos' torque, which lets the robot go "
-                "limp; hold the robot");
+                "on a servo bus: switch off the servos' torque before the calibration starts; hold "
+                "the robot, because it goes limp");
 }
 
 Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,

@@ -69,9 +69,9 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_flag(
       "--alone", arguments->alone,
       "on a bus with only this servo: also run the cases that send requests to all servos");
-  verb->add_flag(
-      "--release", arguments->release,
-      "on a bus: first switch off the servo's torque, which lets the joint go limp; hold the arm");
+  verb->add_flag("--release", arguments->release,
+                 "on a bus: switch off the servo's torque before the cases run; hold the arm, "
+                 "because the joint goes limp");
   verb->add_option("--image", arguments->image, "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb->add_flag("--allow-motion", arguments->allow_motion,
@@ -101,8 +101,8 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_option_function<std::string>(
           "--json",
           [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
-          "write the report, or with --list the list of cases, as JSON to FILE; without FILE or "
-          "with -, print only JSON on standard output")
+          "write the report (with --list: the list of cases) as JSON to FILE; without FILE, or if "
+          "FILE is -, print only the JSON, on standard output")
       ->expected(0, 1)
       ->type_name("[FILE]");
   verb->add_option("--html", arguments->html,

@@ -26,13 +26,15 @@ void add_demo(CLI::App& program, Action& action) {
   add_settings(*verb, arguments->settings, "an option of track-ball (kaz run track-ball --help)");
   add_run_options(*verb, *arguments);
   verb->footer(
-      "The demo runs the behavior track-ball of kaz run on the virtual robot. The 23 s of "
+      "The demo runs the behavior track-ball on the virtual robot, as `kaz run track-ball` does. "
+      "The 23 s of "
       "simulated time take about 10 s on one processor.\n"
       "The folder then contains the pictures start.png, end.png, left_eye.png, "
       "color_extraction.png, outside.png and moments.png (and .jpg), the plot pan_tilt.png (and "
       ".svg), vision.csv, result.json and recording.mcap. After a failed demo, some of these files "
-      "are missing. The recording contains bytes on the wire, pins, joints, contacts and more, "
-      "with times from one clock. `kaz replay` runs the recording again; Foxglove (foxglove.dev), "
+      "are missing. The recording contains the bytes on the wire, pins, joints, contacts and more; "
+      "all times come from one clock. `kaz replay` runs the recording again; Foxglove "
+      "(foxglove.dev), "
       "PlotJuggler and `mcap info` open the recording.\n"
       "Examples:\n"
       "  kaz demo\n"

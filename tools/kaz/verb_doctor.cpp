@@ -22,8 +22,8 @@ void add_doctor(CLI::App& program, Action& action) {
   verb->footer(
       "Each finding is good, a note (something could be better) or wrong. A command below the "
       "finding corrects the problem. kaz doctor opens no serial port except the port in "
-      "--robot, because some adapters reset the board when a program opens the port. Only root can "
-      "find programs of other users that hold a device.\n"
+      "--robot, because some adapters reset the board when a program opens the port. Run kaz "
+      "doctor as root to find devices that programs of other users hold open.\n"
       "Exit status: 0 no finding is wrong, 1 a finding is wrong.\n"
       "Examples:\n"
       "  kaz doctor\n"

@@ -181,8 +181,8 @@ void add_merge(CLI::App& evaluate, Action& action) {
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "All parts must have the same options except --shard, --jobs and --out; other parts are "
-      "rejected. Episodes of a missing or interrupted part are listed. result.json then covers the "
+      "All parts must have the same options, except --shard, --jobs and --out. Episodes of a "
+      "missing or interrupted part are listed. result.json then covers the "
       "completed episodes and contains \"interrupted\": true.\n"
       "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
       "episodes are missing.\n"
@@ -246,8 +246,9 @@ void add_evaluate(CLI::App& program, Action& action) {
                "supply of the board, V, drawn from this range", "V");
   add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range", "m");
-  verb->add_option("--bearing", c.variation.bearing_deg,
-                   "largest angle between straight ahead and the ball or goal, degrees")
+  verb->add_option(
+          "--bearing", c.variation.bearing_deg,
+          "largest angle of the ball or the goal to either side, degrees; 0 is straight ahead")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
@@ -311,11 +312,12 @@ void add_evaluate(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("S")
       ->needs(push);
-  verb->add_flag(
-      "--calibrated", c.calibrated,
-      "with --sensors as-built: calibrate each robot's joints first, as kaz calibrate joints does");
+  verb->add_flag("--calibrated", c.calibrated,
+                 "with --sensors as-built: calibrate each robot's joints before the episode, as "
+                 "kaz calibrate joints does");
   verb->add_option("--judge", c.judged_as,
-                   "for a plug-in: the Kaz behavior whose judge decides success. Without --judge, "
+                   "for a plug-in: name of a built-in behavior; an episode succeeds by the "
+                   "criteria for this behavior. Without --judge, "
                    "the plug-in's own result counts, and a fall is a failure")
       ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,
@@ -335,7 +337,7 @@ void add_evaluate(CLI::App& program, Action& action) {
   auto* hosts =
       verb->add_option(
               "--parallel-hosts", arguments->hosts,
-              "run on the machines in this file with GNU parallel. Each line is "
+              "run with GNU parallel, on the machines that this file lists. Each line is "
               "':' for this machine, or an ssh destination; a prefix such as 8/ "
               "sets the number of processors. DIR and kaz must have the same paths on all machines")
           ->type_name("FILE");

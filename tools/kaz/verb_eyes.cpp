@@ -27,8 +27,8 @@ void add_eyes(CLI::App& program, Action& action) {
                               "--no-imu", "--supply", "--dynamics", "--physics-step"})
     verb->remove_option(verb->get_option(useless));
   verb->footer(
-      "The view of each eye is drawn three times: from a pinhole camera, with lens and sensor, and "
-      "rectified.\n"
+      "The view of each eye is drawn three times: as a pinhole camera sees it, with the errors of "
+      "lens and sensor, and after rectification.\n"
       "Examples:\n"
       "  kaz eyes\n"
       "  kaz eyes --world ball --eye-width 640 --out big");

@@ -66,7 +66,7 @@ CLI::Validator erasable_block() {
       [](std::string& text) {
         std::string number = text;
         if (between(0, host::kFlashBlocks - 1)(number).empty()) return std::string();
-        return std::string("give blocks from 1 to 5 and 7 to 9");
+        return std::string("give block numbers from 1 to 5 or from 7 to 9");
       },
       "");
 }
@@ -117,7 +117,7 @@ void add_flash(CLI::App& program, Action& action) {
   add_image(*write, *to_write);
   write->add_flag(
       "--dry-run", to_write->dry_run,
-      "check the image and, if a port is given, the port, but send nothing to the board");
+      "check the image, and also check the port if a port is given, but send nothing to the board");
   write->add_flag("--force", to_write->force,
                   "write the image even if the image is for another board or is not Kaz firmware");
   write->add_flag("!--no-start", to_write->start,

@@ -30,8 +30,9 @@ void add_fuzz(CLI::App& program, Action& action) {
           ->transform(whole_number_above_zero())
           ->excludes(seconds)
           ->type_name("N");
-  verb->add_option("--seed", arguments->seed,
-                   "seed of the cases and, on native and h8, of noise and fault probabilities")
+  verb->add_option(
+          "--seed", arguments->seed,
+          "seed of the cases; on native and h8, also the seed of the noise and the random faults")
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
@@ -54,7 +55,7 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->type_name("FILE");
   verb->add_flag(
       "--body", arguments->body,
-      "simulate the robot's body in a world, without faults, instead of only the motors");
+      "simulate the robot's whole body in a world, not only the motors; no faults are injected");
   verb->add_flag("--allow-motion", arguments->allow_motion,
                  "required at a port, because the joints may move at random. Suspend the robot, or "
                  "disconnect the motors' supply, and stay beside the robot");
@@ -70,8 +71,9 @@ void add_fuzz(CLI::App& program, Action& action) {
       "(docs/reference/simulator.md). The page docs/howto/fuzzing.md lists the criteria of the "
       "checks.\n"
       "A feature is a reaction of the board: a kind of reply with its status, or a refusal with "
-      "its reason. On native and h8, a combination of shutdown, limits and queue is also a "
-      "feature. Cases that show a new feature are kept; later cases are variations of the kept "
+      "its reason. On native and h8, a feature is also a combination of states inside the board, "
+      "such as a shutdown, joints at their limits and a queued request. Cases that show a new "
+      "feature are kept; later cases are variations of the kept "
       "cases.\n"
       "Exit status: 0 no case failed, 1 a case failed.\n"
       "Examples:\n"

@@ -26,9 +26,9 @@ struct CompareArguments {
 };
 
 void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
-  auto* wire =
-      verb.add_flag("--wire", arguments.on_wire,
-                    "instead of ticks, compare the replies of complete boards on the serial line");
+  auto* wire = verb.add_flag(
+      "--wire", arguments.on_wire,
+      "compare the replies of complete boards on the serial line, and not single ticks");
   verb.add_option("--conversations", arguments.wire.conversations,
                   "number of conversations of one second each")
       ->transform(whole_number_above_zero(1'000'000'000))

@@ -25,8 +25,9 @@ void add_monitor(CLI::App& program, Action& action) {
   add_watch_options(*verb, *watch, false);
   verb->remove_option(verb->get_option("--view-wait"));
   verb->footer(
-      "A terminal with 80 columns and 24 lines is enough, also over ssh. The monitor only reads "
-      "until you press a key. The key e switches the selected joint on or off; E switches all "
+      "A terminal with 80 columns and 24 lines is enough, also over ssh. Before you press a key, "
+      "the monitor sends only read requests. The key e switches the selected joint on or off; E "
+      "switches all "
       "joints on. The left and right arrow keys move the joint by one degree; [ and ] move the "
       "joint by five degrees. SPACE stops all motors, c clears a shutdown, and q switches off the "
       "motors that the monitor switched on, and quits. The board must answer at the start; if the "

@@ -32,7 +32,7 @@ void add_replay(CLI::App& program, Action& action) {
                  "default if the recording has no pictures)")
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
-                   "use another seed than the recording's; implies --whole")
+                   "seed for the new run, instead of the seed in the recording; implies --whole")
       ->transform(whole_number());
   add_settings(*verb, arguments->settings, "another value for an option of the behavior");
   verb->add_option("--plugin", arguments->replay.plugin,

@@ -221,7 +221,8 @@ void add_run(CLI::App& program, Action& action) {
     show_shortcuts(*verb, &**chosen, shown);
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
-  verb->get_option("--world")->default_str("catch for catch-ball, boxes for navigate, else ball");
+  verb->get_option("--world")->default_str(
+      "catch with catch-ball, boxes with navigate, ball with other behaviors");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {

@@ -23,8 +23,8 @@ void add_serve_port(CLI::App& program, Action& action) {
                  "with rfc2217:HOST:PORT)");
   verb->footer(
       "The port has no authentication: every client that can connect can move the robot. Keep the "
-      "port on 127.0.0.1 and forward the port with ssh, or use a separate network for the robot. A "
-      "client that first sends text, such as a web browser, is disconnected. Only one client can "
+      "port on 127.0.0.1 and forward the port with ssh, or use a separate network for the robot. "
+      "Kaz disconnects clients that begin with text, as web browsers do. Only one client can "
       "be connected at a time; other clients are rejected. If the connection to the board is lost, "
       "Kaz connects again as soon as possible.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port error.\n"

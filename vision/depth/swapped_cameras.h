@@ -39,7 +39,7 @@ class SwappedCameras {
 
 // Message for the user if found() returns true.
 inline constexpr const char* kSwappedCameras =
-    "left and right look exchanged: the pairs have depth only the other way round; exchange the "
-    "pictures or cameras, or calibrate them as they are";
+    "left and right look exchanged: depth is found only if the pictures are exchanged; exchange "
+    "the pictures or the cameras, or calibrate the cameras as they are";
 
 }  // namespace kaz::vision

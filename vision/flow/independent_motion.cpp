@@ -95,8 +95,8 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
       moving.shift_error_m.norm() > options_.max_posture_error_m)
     return fail(
         Fault::failed,
-        "moving: the flow of most of the picture contradicts the posture by more than its "
-        "accuracy: the robot slips or falls, or an object hides the rest; use the next pair");
+        "moving: most of the flow contradicts the posture by more than the posture's accuracy: the "
+        "robot slips or falls, or a moving object hides the scene at rest; use the next pair");
   if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
   const auto reader = [](const Picture& p, std::vector<float>& codes) {
     grey_codes(p.bytes, p.channels, codes);

@@ -156,8 +156,8 @@ void leave_out(const Part& part, const std::string& subject, const std::string& 
 void run_part(const Part& part, MotorOnBench& motor, BenchJudge& judge, double supply_volts,
               bool reversed) {
   if (reversed)
-    return leave_out(part, motor.name(),
-                     "not run, because the motor turns against its potentiometer", judge);
+    return leave_out(part, motor.name(), "not run, because the measurement `direction` failed",
+                     judge);
   if (part.needs_stand && !motor.has_stand())
     return leave_out(
         part, motor.name(),

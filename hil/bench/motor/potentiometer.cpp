@@ -22,7 +22,7 @@ constexpr double kFollows = 0.2;  // share of the shaft's turns; less is no erro
 constexpr double kRailCodes = 12, kRailNoise = 0.05;
 
 Plot line_plot(const std::string& joint, const Points& read, const Line& line) {
-  Series off{"reading minus the line", Series::Style::line, {}};
+  Series off{"deviation from the line", Series::Style::line, {}};
   for (const auto& [turned, measured] : read)
     off.points.emplace_back(turned / kDegree, (measured - line(turned)) / kDegree);
   return {"potentiometer",
@@ -53,7 +53,7 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
   const double code = motor.potentiometer_code(kCode * mean_of(codes).value);
   char text[160];
   std::snprintf(text, sizeof text,
-                "the potentiometer is at A/D code %.0f, an end of its range, without noise: its "
+                "the potentiometer constantly reads A/D code %.0f, at an end of its range: its "
                 "wiper is open or touches a supply",
                 code);
   check(noise > kRailNoise || (code > kRailCodes && code < KZ_POT_CODES - 1 - kRailCodes), text);

@@ -74,8 +74,8 @@ Plot speed_plot(const std::string& joint, const Points& points, const Line& line
           "speed, rad/s",
           false,
           {measured, fitted},
-          "The plot shows both directions. At the voltage where the line meets zero speed, sliding "
-          "friction takes the whole voltage."};
+          "The plot shows both directions. The voltage at which the line reaches zero speed is the "
+          "voltage that overcomes sliding friction."};
 }
 
 Plot start_plot(const std::string& joint, const Run& run) {
@@ -94,7 +94,8 @@ Plot start_plot(const std::string& joint, const Run& run) {
           "displacement, rad",
           false,
           {measured, steady},
-          "The dashed line meets zero at the lag. The lag comes from the inertia of rotor and "
+          "The lag is the time at which the dashed line crosses zero. The lag comes from the "
+          "inertia of rotor and "
           "disc, the gear's backlash and the board's tick."};
 }
 

@@ -138,8 +138,8 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
           "The voltage is measured at the driver's terminals under load. The torques are corrected "
-          "for the motor's warming. The line's slope is torque per volt, and the torque below zero "
-          "at 0 V is sliding friction."};
+          "for the motor's warming. The slope of the line is the torque per volt. At 0 V, the line "
+          "is below zero by the sliding friction."};
 }
 
 // Presses to both sides, then a rest of kRest. None where somebody has to press.
@@ -261,12 +261,12 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
   judge.add({"thermal",
              motor.name(),
              "Torque of a pressing motor",
-             "time pressed at 6.5 V, s",
+             "duration of pressing at 6.5 V, s",
              "torque, Nm",
              false,
              {shown},
              "The torque drops because the copper's resistance grows as the motor warms. Each "
-             "point is a separate press after 50 ms with the motor off."});
+             "point is a separate press. Before the press, the motor was off for 50 ms."});
 }
 
 }  // namespace kaz::hil

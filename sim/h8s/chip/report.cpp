@@ -116,7 +116,7 @@ std::string Machine::report(const std::string& headline) const {
   text += "in " + symbols->describe(pc()) + ": " + disassemble(pc(), nullptr) + "\n";
   text += "called from\n" + back_trace(*this);
   text += translator() && translator()->translated() > 0
-              ? "last instructions (without translated instructions; the interpreter lists all "
+              ? "last instructions (translated instructions are missing; the interpreter lists all "
                 "instructions)\n"
               : "last instructions\n";
   for (const std::uint32_t at : last_run(*this))

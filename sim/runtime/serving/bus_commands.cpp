@@ -31,16 +31,16 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
     return value && *value >= 0 && *value <= max ? value : std::nullopt;
   };
   if (command == "help")
-    return {
-        {"ok", true},
-        {"commands",
-         {{"help", "this list"},
-          {"power on|off", "switch the supply of all servos; off clears the servos' RAM"},
-          {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
-          {"damage SHARE", "set the share of bytes with one wrong bit, 0 to 1"},
-          {"turn JOINT DEGREES",
-           "turn by hand to an angle while the torque is off; \"turn off\" releases all joints"},
-          {"status", "print the time, the host, lost bytes and the state of each servo"}}}};
+    return {{"ok", true},
+            {"commands",
+             {{"help", "this list"},
+              {"power on|off", "switch the supply of all servos; off clears the servos' RAM"},
+              {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
+              {"damage SHARE", "set the share of bytes with one wrong bit, 0 to 1"},
+              {"turn JOINT DEGREES",
+               "turn a joint by hand to this angle; its torque must be off; \"turn off\" lets go "
+               "of all joints"},
+              {"status", "print the time, the host, lost bytes and the state of each servo"}}}};
   if (command == "power") {
     if (argument != "on" && argument != "off")
       return refusal("\"power\" takes \"on\" or \"off\", got \"" + argument + "\"");

@@ -316,8 +316,8 @@ Result<void> Simulation::describe_robot() {
 
 Error Simulation::no_eyes() {
   return {Fault::usage,
-          "this robot has no eyes: its file has no `left_eye` and `right_eye` on one link, or "
-          "eyes are `none`"};
+          "this robot has no eyes: its file must have `left_eye` and `right_eye` on one link, "
+          "and the option `eyes` must not be `none`"};
 }
 
 void Simulation::open_eyes() {

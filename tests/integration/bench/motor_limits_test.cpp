@@ -270,7 +270,7 @@ TEST(ReversedMotor, IsFoundBeforeAnyLoopIsClosed) {
       EXPECT_EQ(report.count(Verdict::left_out), static_cast<int>(report.measurements.size()) - 1);
       for (std::size_t i = 1; i < report.measurements.size(); ++i)
         EXPECT_EQ(report.measurements[i].message,
-                  "not run, because the motor turns against its potentiometer");
+                  "not run, because the measurement `direction` failed");
       EXPECT_LT(report.seconds, 6);
       EXPECT_TRUE(report.plots.empty());
     }

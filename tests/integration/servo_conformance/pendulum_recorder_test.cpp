@@ -131,10 +131,11 @@ TEST(PendulumRecorder, ATorqueThatStaysOnEndsItAndIsNamed) {
   const auto record = hil::record_pendulum(link, link, options);
   ASSERT_FALSE(record);
   EXPECT_EQ(bus->servo(0).registers().get("torque_enable"), 1);
-  EXPECT_NE(record.error().message.find("may hold, its torque is not confirmed to be off: cut its "
-                                        "power; and servo 1 on bus is not as it was: its torque is "
-                                        "not confirmed to be off: cut its power"),
-            std::string::npos)
+  EXPECT_NE(
+      record.error().message.find("may hold, its torque is not confirmed to be off: cut its "
+                                  "power; and servo 1 on bus was not fully restored: its torque is "
+                                  "not confirmed to be off: cut its power"),
+      std::string::npos)
       << record.error().message;
 }
 

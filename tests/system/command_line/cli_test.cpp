@@ -477,7 +477,7 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
   EXPECT_TRUE(
       says({"status", "a", "--address", "15"}, "--address 15: give a whole number from 1 to 14"));
   EXPECT_TRUE(says({"flash", "erase", "--port", "a", "--blocks", "7,99"},
-                   "--blocks 99: give blocks from 1 to 5 and 7 to 9"));
+                   "--blocks 99: give block numbers from 1 to 5 or from 7 to 9"));
   EXPECT_TRUE(says({"evaluate", "stand", "--radii", "5"}, "--radii 5: give 0.005 to 0.5 m"));
   EXPECT_TRUE(says({"evaluate", "stand", "--supply", "0", "5"}, "--supply 0: give 1 to 20 V"));
   EXPECT_TRUE(says({"mcu", "compare", "--ticks", "0"},

@@ -45,16 +45,16 @@ TEST_P(Liars, FailByTruth) {
   EXPECT_EQ(episode["sentence"], "all is done");
   EXPECT_NE(episode["cause"], "") << episode;
   // All reports say that claim and truth differ.
-  EXPECT_NE(
-      end.out.find("claim and truth agreed in 0 of 1; claimed without success: 1, episodes 0"),
-      std::string::npos)
+  EXPECT_NE(end.out.find("the behavior's claim was true in 0 of 1 episodes; false claims of "
+                         "success: 1, episodes 0"),
+            std::string::npos)
       << end.out;
   const json result = parse_json(read_file(out + "/result.json"));
   EXPECT_EQ(result["claims"], json({{"judged", 1},
                                     {"agreed", 0},
                                     {"claimed_without_success", {0}},
                                     {"success_without_claim", json::array()}}));
-  EXPECT_NE(read_file(out + "/report.html").find("agreed in 0 of 1"), std::string::npos);
+  EXPECT_NE(read_file(out + "/report.html").find("was true in 0 of 1"), std::string::npos);
   const std::string junit = read_file(out + "/junit.xml");
   EXPECT_NE(junit.find("name=\"claims_agreed\" value=\"0\""), std::string::npos) << junit;
   EXPECT_NE(junit.find("<failure"), std::string::npos) << junit;

@@ -256,8 +256,8 @@ Result<std::string> describe(BenchTarget& target, std::uint8_t address) {
   host::Requester requester(target.link(), target.clock(), {.address = address});
   const auto who = host::identify_board(requester);
   if (who && (who->status & (KZ_STATUS_ENABLED | KZ_STATUS_HOLDING)) != 0)
-    return fail(Fault::environment, "motors of the board on " + target.link().name() +
-                                        " are on: switch them off first");
+    return fail(Fault::environment, "the board at " + target.link().name() +
+                                        " has motors that are on: switch the motors off first");
   if (who) return host::board_text(*who);
   if (!requester.timed_out()) return tl::unexpected(who.error());
   return tl::unexpected(

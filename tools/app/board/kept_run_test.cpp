@@ -545,7 +545,7 @@ TEST(Recover, BringsABoardFromAnyAddressAndClearsWhatIsLatched) {
   EXPECT_EQ(recovered.status_before >> 8, KZ_SHUTDOWN_STOP);
   EXPECT_EQ(recovered.status >> 8, KZ_SHUTDOWN_NONE);
   EXPECT_EQ(recovered.done,
-            (std::vector<std::string>{"address 11 to 1", "its line is not shared"}));
+            (std::vector<std::string>{"address 11 to 1", "line set to not shared"}));
   auto robot = sure(host::Robot::connect(board, board));
   EXPECT_EQ(sure(robot.calibration()).sequence, 1);
   recovered = sure(recover_board(board, board, {.address = 4}, std::nullopt));

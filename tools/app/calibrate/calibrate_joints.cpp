@@ -87,7 +87,7 @@ Result<std::vector<Gauge>> parse_gauges(const std::vector<std::string>& texts) {
 
 void print_plan(bool stops, bool floor) {
   if (stops) {
-    std::printf("The robot hangs by its trunk, arms and legs free.\n");
+    std::printf("The robot hangs by its trunk. Its arms and legs are free.\n");
     for (const auto& group : calibration::stop_groups()) {
       print_lines("%s: %s\n", group.name, group.text);
       for (const auto& step : group.steps) {
@@ -194,8 +194,9 @@ class Calibration {
     report_.board = host::board_text(robot_->identity());
     const auto posture = KAZ_TRY(robot_->state());
     if ((posture.status & (KZ_STATUS_ENABLED | KZ_STATUS_HOLDING)) != 0)
-      return fail(Fault::environment, "motors of the board on " + report_.port +
-                                          " are on: first end the program that moves them");
+      return fail(Fault::environment,
+                  "the board at " + report_.port +
+                      " has motors that are on: first end the program that moves them");
     const auto calibration = KAZ_TRY(robot_->calibration());
     report_.before = calibration.joints;
     has_stored_ = calibration.sequence != 0;

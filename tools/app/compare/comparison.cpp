@@ -273,7 +273,7 @@ class Measurer {
       Measure& lag = measures_.back();
       lag.a = lag.b = {};
       lag.left_out =
-          "the joint moved too slowly or too little: half of the gear's play may shift the lag "
+          "the joint moved so slowly or so little that half of the gear's play can shift the lag "
           "by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");

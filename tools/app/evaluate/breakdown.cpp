@@ -142,11 +142,12 @@ std::string map_text(const Json& map) {
   const auto percent_of = [&](const char* name, int digits) {
     return hil::fixed(100 * map[name].get<double>(), digits) + " %";
   };
-  std::string text =
-      "maps within 1 m: " + percent_of("outline_found", 1) + " of outlines seen so far found";
+  std::string text = "within 1 m of the robot, the maps contain " + percent_of("outline_found", 1) +
+                     " of the outlines seen so far";
   if (map.contains("outline_found_in_view"))
-    text += ", " + percent_of("outline_found_in_view", 1) + " of outlines in view in the last 2 s";
-  return text + "; " + percent_of("floor_wrong", 2) + " of the floor marked as obstacles";
+    text +=
+        ", " + percent_of("outline_found_in_view", 1) + " of the outlines in view in the last 2 s";
+  return text + "; " + percent_of("floor_wrong", 2) + " of the floor is marked as obstacles";
 }
 
 std::string causes(const Json& failures) {
@@ -260,9 +261,10 @@ std::string breakdown_text(const Json& breakdown) {
 }
 
 std::string claims_text(const Json& claims) {
-  return "claim and truth agreed in " + claims["agreed"].dump() + " of " + claims["judged"].dump() +
-         disagreements("claimed without success:", claims["claimed_without_success"]) +
-         disagreements("success without a claim:", claims["success_without_claim"]);
+  return "the behavior's claim was true in " + claims["agreed"].dump() + " of " +
+         claims["judged"].dump() + " episodes" +
+         disagreements("false claims of success:", claims["claimed_without_success"]) +
+         disagreements("successes that were not claimed:", claims["success_without_claim"]);
 }
 
 std::string evaluation_page(const Json& result, const Episodes& episodes) {

@@ -218,7 +218,8 @@ DrawnFigure draw_frame_information(const figure7::Sweep& sweep, const figure7::O
 Result<DrawnFigure> draw_catch(const RunCollector& run) {
   constexpr int kHeight_px = 190;
   const std::vector<MomentPictures>& moments = run.moments();
-  if (moments.empty()) return fail(Fault::failed, "figure 8: the run has no moment of a catch");
+  if (moments.empty())
+    return fail(Fault::failed, "figure 8: no picture was taken of search, tracking or catch");
   std::vector<figure::Panel> above, below;
   Json shown = Json::array();
   for (const MomentPictures& moment : moments) {

@@ -22,9 +22,8 @@ constexpr PaperFigure kPaperFigures[] = {
     {3, "Simulation environment for vision based behavior",
      "A red ball falls in front of the robot: the simulator and its view, color extraction, depth "
      "by block matching, optical flow.",
-     "The outside view, color extraction, depth and optical flow of one frame: the frame with the "
-     "largest motion of the ball, preferably downward, among those with ball, depth and flow. The "
-     "outside view shows the robot at the exposure."},
+     "All views show the frame in which the ball moves most, preferably downward. Frames without "
+     "ball, depth or flow are not used. The outside view shows the robot at the exposure."},
     {5, "Experimental setup: task of the robot is to approach the ball and catch it",
      "The robot, obstacles, and the ball behind them.",
      "The world before the robot moves, from its right and from above."},

@@ -16,7 +16,7 @@ Result<void> check_erase(const FlashArguments& arguments) {
     if (arguments.blocks.empty())
       return fail(Fault::usage,
                   "give --blocks N,N to erase these blocks through the loader, or --reset HOW to "
-                  "erase the whole flash, with calibration and address, through boot mode");
+                  "erase the whole flash, including calibration and address, through boot mode");
     const auto kept = [](int block) {
       return block == host::kVectorBlock || block == host::kLoaderBlock;
     };

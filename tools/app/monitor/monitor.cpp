@@ -300,7 +300,7 @@ class Monitor {
   std::optional<std::uint32_t> wanted_;  // joints that are to be on; none: not read yet
   Time since_{}, next_try_{};
   std::string said_ =
-      "the monitor only reads until e or E switches motors on; q switches motors off";
+      "until you press a key, the monitor only reads; e or E: motors on, q: motors off";
 };
 
 // Errors (usage): the port, the robot's files.

@@ -269,9 +269,10 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
   auto schedule = faults::Schedule::load(options.faults);
   if (!schedule) return schedule;
   if (const auto name = schedule->only_simulated())
-    return fail(Fault::usage,
-                options.faults + ": the fault `" + std::string(*name) +
-                    "` is only possible in the simulator; at a port, give only faults of the line");
+    return fail(
+        Fault::usage,
+        options.faults + ": the fault `" + std::string(*name) +
+            "` is only possible in the simulator; for a robot at a port, give only line faults");
   return schedule;
 }
 

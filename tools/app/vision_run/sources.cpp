@@ -414,9 +414,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   const std::size_t pairs = recorded.count("/eyes/left");
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
     std::fprintf(stderr,
-                 "kaz vision run: %zu of %zu recorded pairs were processed; after them, the "
-                 "repeated behavior differed from the recording, for example because of another "
-                 "version; `kaz replay --host %s` prints the first difference\n",
+                 "kaz vision run: only %zu of %zu recorded pairs were processed, because the "
+                 "repeated behavior then differed from the recording (perhaps another version of "
+                 "Kaz); `kaz replay --host %s` prints the first difference\n",
                  watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
