@@ -53,7 +53,7 @@ TEST(CameraStreamPage, StatesSizesAndConstants) {
   ASSERT_EQ(camera_picture_bytes(320, 240), 3u * 320 * 240);
   ASSERT_EQ(kMaxCameraAhead, kMaxCameraLatency) << "the page states one number for both";
   for (const std::string& expected :
-       {std::to_string(sizeof(CameraStreamHeader)) + " bytes, once",
+       {"header of a camera stream has " + std::to_string(sizeof(CameraStreamHeader)) + " bytes",
         pair + " + 2 × 3 × width × height bytes",
         "| " + pair + " | u8[3 × width × height] | left |",
         "| " + pair + " + 3 × width × height | u8[3 × width × height] | right |",
