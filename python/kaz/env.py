@@ -8,8 +8,8 @@
         actions = numpy.zeros(env.action_space.shape, numpy.float32)
         observations, rewards, terminations, truncations, infos = env.step(actions)
 
-engine: the simulated parts of the robot. With "none", targets go directly to the motor model, and observed
-angles are the true angles. "native" also simulates the firmware's C code, the serial line and the
+engine: the simulated parts of the robot. With "none", PD loops on the true angles replace the firmware, and
+observed angles are the true angles. "native" also simulates the firmware's C code, the serial line and the
 potentiometers. "h8" runs the firmware image in the emulator instead of the C code.
 
 An action has a number from -1 to 1 for each controlled joint. The number times `reach` (rad) is the joint's

@@ -51,9 +51,9 @@ const Kind& kind_of(Name name) {
 
 bool Fault::is_possible() const {
   const Kind& kind = kind_of(name);
-  const bool has_joint = joint >= 0 && joint < KZ_JOINTS;
-  return has_joint == (kind.target == Target::joint) && joint >= -1 && value >= kind.low &&
-         value <= kind.high;
+  const bool right_joint =
+      kind.target == Target::joint ? joint >= 0 && joint < KZ_JOINTS : joint == -1;
+  return right_joint && value >= kind.low && value <= kind.high;
 }
 
 std::optional<std::string_view> Schedule::only_simulated() const {

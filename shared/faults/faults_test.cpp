@@ -100,6 +100,11 @@ TEST(Faults, EveryKindComesBackFromItsText) {
     EXPECT_EQ(fault_of(text_of(fault)), fault) << text_of(fault);
     EXPECT_LE(kind.low, kind.initial);
     EXPECT_GE(kind.high, kind.initial);
+    for (const int joint : {-2, -1, 0, 17, 18, 1 << 30}) {
+      fault.joint = joint;
+      const bool is_joint = joint >= 0 && joint <= 17;
+      EXPECT_EQ(fault.is_possible(), kind.target == Target::joint ? is_joint : joint == -1);
+    }
   }
 }
 
