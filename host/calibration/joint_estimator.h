@@ -34,13 +34,13 @@ struct AngleTerm {
 // A linear equation between joint angles and additional unknowns, with the standard deviation of its noise.
 struct Equation {
   std::vector<AngleTerm> angles;
-  std::vector<std::pair<int, double>> others = {};  // number of the additional unknown, weight
+  std::vector<std::pair<int, double>> others = {};  // pairs: index of the unknown, its weight
   double value = 0, sigma = 1;                      // unit: rad times the unit of the weights
 };
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  // Change of the angle in the middle of the joint's range, from the nominal line to `line`.
+  // Angle by `line` minus angle by the nominal line, in the middle of the joint's range.
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;

@@ -3,9 +3,9 @@
 //
 // Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
 // picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
-// The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. Half the
-// exposure time is added or subtracted to get the middle of the exposure, if the camera reports the exposure
-// time (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start). A picture cannot be exposed after its arrival.
+// The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. If the
+// camera reports its exposure time (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start), half of this time is
+// added or subtracted to get the middle of the exposure. A picture cannot be exposed after its arrival.
 // If a driver's time stamp is later than the arrival, the time of arrival is used instead, and the picture is
 // counted. No interface reports the readout time of a rolling shutter, so the readout time is ignored.
 #pragma once
@@ -27,8 +27,8 @@ struct V4l2Wanted {
   std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
 };
 
-// Error message for a failure of `doing` (such as "asking for its format") at `path`: no such device, no
-// permission, busy, unplugged, or no bandwidth left.
+// Error message for a failure of `doing` (such as "asking for its format") at `path`. The message states the
+// cause: no such device, no permission, busy, unplugged, or no bandwidth left.
 Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
 
 // Meaning of a driver's time stamps. `arrival`: the stamps are not on CLOCK_MONOTONIC, and the time at which

@@ -100,8 +100,8 @@ class DynamixelServo final : public VirtualServo {
   };
   std::optional<Turn> turn_;
   // This servo's part of a fast read. `heard` contains the bytes of the common answer that this servo has
-  // received so far. `before` and `behind` are the numbers of bytes of the common answer before and after
-  // this servo's part.
+  // received so far. The common answer has `before` bytes before this servo's part, and `behind` bytes after
+  // this part.
   struct FastTurn {
     std::vector<std::uint8_t> heard;
     std::size_t before, behind;

@@ -51,7 +51,7 @@ constexpr WireException exceptions[] = {
     {"input voltages",
      "sampled 800 to 7,300 states after a tick's due time; AN4 and AN5 at any time",
      "same inputs and order, within 200 states",
-     "the comparison changes voltages 15,000 states after a tick's due time"},
+     "the comparison changes voltages only at 15,000 states after a tick's due time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
     {"a byte cut by a reset or a power cut", "its first bits reach the pin", "no bits",

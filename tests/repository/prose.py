@@ -37,6 +37,7 @@ BREAK = re.compile(r"(?<!e\.g)(?<!i\.e)(?<!vs)(?<!cf)(?<!Fig)(?<!approx)"
                    r"[.!?][)\"*_]*\s+(?=[\"(*_]*[A-Z0-9`\[-])")
 LITERAL = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\((?P<raw>.*?)\)\1"|"(?P<text>(?:\\.|[^"\\\n])*)"'
                      r"|'(?:\\.|[^'\\\n])+'", re.S)
+CODE = re.compile(r"""((?:"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])+'|(?!//).)*)(//|)(.*)""")
 ITEM = re.compile(r"^(\s*)(?:[-*+]|\d+[.)])\s+")
 
 
@@ -97,7 +98,7 @@ def comments(source):
             gathered.clear()
 
     for number, line in enumerate(source.splitlines(), 1):
-        code, mark, text = re.sub(r'"(?:\\.|[^"\\])*"', '""', line).partition("//")
+        code, mark, text = CODE.match(line).groups()
         text = text.lstrip("/")
         indent = len(text) - len(text.lstrip())
         text = text.strip("/< ")
