@@ -34,10 +34,9 @@ class BoardLine {
 
   // Finds the board, ends a telemetry stream that was left running, and runs `measure`. When this function
   // returns, also after an error, the motors and the stream are off. If the board shut down during `measure`
-  // because requests were missing, the shutdown is cleared. `what` is the text before "measured" in the error
-  // message for a reset of the board, for example "its link was". Errors (environment): no board; the board's
-  // motors are on, and the measurement would switch the motors off; the board was reset during `measure`;
-  // errors of `measure`.
+  // because requests were missing, the shutdown is cleared. `what` names the measurement in error messages:
+  // "link" gives "the board was reset during the link measurement". Errors (environment): no board; a motor
+  // of the board is already on; the board was reset during `measure`; errors of `measure`.
   Result<void> measure(const std::string& what, const std::function<Result<void>()>& measure);
 
   template <class Message, class Answer>

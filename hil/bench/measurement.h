@@ -41,7 +41,8 @@ struct Measurement {
   double value = 0;          // value in the unit of->unit; NaN if nothing could be measured
   double error = 0;          // standard error of the value; 0: unknown
   double low = 0, high = 0;  // applied limits
-  std::string message;       // reason of a failure, skip or undecided verdict, or a note
+  // Reason why the measurement failed, was left out or is undecided. Otherwise a note, or empty.
+  std::string message;
   // Cause of an undecided verdict. parse_bench_json() does not set this member.
   enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
 };

@@ -9,8 +9,8 @@
 
 namespace kaz::hil {
 
-// Returns a quantile: the smallest sample for which at least the fraction `share` (0 to 1) of all samples is
-// not larger. Returns NaN if there are no samples.
+// Returns a quantile: the smallest sample x such that at least the fraction `share` (0 to 1) of the samples
+// is at most x. Returns NaN if there are no samples.
 double quantile(std::vector<double> samples, double share);
 // Returns NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);

@@ -26,7 +26,7 @@ enum ServoNeed : unsigned {
 };
 
 struct ServoCase {
-  Case of;  // id, sentence and tested sections of the page; `of.run` is always null
+  Case of;  // `of.statements` contains the tested sections of the page; `of.run` is null
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;
   // Returns whether servos with this table and firmware have the tested feature. Null: all servos have the
@@ -47,7 +47,8 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // bits of ServoNeed that are allowed
-  bool release = false;  // if the torque is on at the start: whether to switch the torque off
+  // Whether to switch off torque that is on at the start. If false, such torque is an error.
+  bool release = false;
   // After an interrupt, the registers that the running case changed are restored, and then the run ends.
   // `interrupt` may be null.
   host::Interrupt* interrupt = nullptr;

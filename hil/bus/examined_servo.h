@@ -64,8 +64,8 @@ class ExaminedServo {
   Bytes write_of(int address, const Bytes& data) const;
   Bytes read(int address, int size);
   long value(const ServoRow& row);
-  // Writes a register and returns the error code of the answer without alerts; 0: success. end_case()
-  // restores the old value.
+  // Writes a register and returns the error code of the answer; 0: success. The alert bit of the answer is
+  // ignored. For Feetech servos, the result is always 0. end_case() restores the old value.
   int write(const ServoRow& row, long value);
   // Stores the register's value for end_case() to restore. Call this function before a register is written by
   // other means than write().

@@ -77,8 +77,8 @@ class Board {
   // ---- Requests by name
 
   // The method done() sends a request and returns the reply. The method take() returns the reply to an
-  // earlier request. The refused... and take_refusal() methods expect that the board refuses the request for
-  // the reason `reason`, and return the refusal.
+  // earlier request. The methods refused(), refused_type() and take_refusal() return the refusal of the
+  // board. These methods throw Failed if the board does not refuse the request for the reason `reason`.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
   Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);
   Reply refused(std::string_view name, const Bytes& fields, int reason, int detail = kAnyDetail);
@@ -103,8 +103,8 @@ class Board {
   // a heartbeat every 30 ms.
   std::vector<Frame> telemetry(int ms, bool heartbeats);
 
-  // Returns the last 60 lines of the bytes exchanged in this case. Each line contains the bytes of one
-  // direction at one time.
+  // Returns the last 60 lines of the bytes exchanged in this case. Each line contains consecutive bytes in
+  // one direction and the time of the first byte.
   const std::vector<std::string>& transcript() const { return transcript_; }
 
  private:

@@ -23,9 +23,9 @@ std::vector<const kz_message_info*> request_types(bool flash);
 RequestBytes make_request(const kz_message_info& message, Choices& choices, bool legal,
                           std::uint8_t address, std::uint8_t sequence);
 
-// Returns the bytes on the wire of a frame with this body.
+// Encodes this body as a frame, and returns the bytes on the wire.
 std::vector<std::uint8_t> framed(const std::vector<std::uint8_t>& body);
-// Returns the bytes on the wire of a frame with these parts.
+// Encodes these parts as a frame, and returns the bytes on the wire.
 std::vector<std::uint8_t> framed(std::uint8_t address, std::uint8_t type, std::uint8_t sequence,
                                  const std::vector<std::uint8_t>& fields);
 

@@ -16,7 +16,8 @@ namespace kaz::hil::fuzz {
 
 struct Verdict {
   std::optional<std::string> violation;
-  // Codes of the board behavior that the case reached. These codes are the coverage that guides the search.
+  // Codes for the kinds of board behavior that occurred during the case. These codes are the coverage that
+  // guides the search.
   std::set<std::uint32_t> features;
   ConversationCounts counts;
   double seconds = 0;  // duration on the clock of run_case()

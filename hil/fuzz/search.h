@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A case with new features joins the corpus, and later cases are mutations and combinations of cases in the
-// corpus. If the compiler can measure coverage, `./tools/dev fuzz` is better.
+// corpus. If the compiler can measure coverage, prefer `./tools/dev fuzz`, which is guided by the coverage of
+// the code.
 #pragma once
 
 #include <functional>

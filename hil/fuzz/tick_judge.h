@@ -39,7 +39,9 @@ class TickJudge {
     bool on = false;
     int command = 0;
     int lower = 0, upper = 0;
-    int above_ticks = 0, below_ticks = 0;  // number of ticks at or beyond the upper and lower limit
+    // `above_ticks`: number of consecutive ticks in which the joint was at or above its upper limit.
+    // `below_ticks`: number of consecutive ticks in which the joint was at or below its lower limit.
+    int above_ticks = 0, below_ticks = 0;
     // Highest `ramp_limit` of the joint since the present ramp began.
     int ramp = 0;
   };

@@ -1,9 +1,10 @@
 // Records logs for servo_fit.h, in which a servo moves a pendulum of known weight.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The recorder sets the servo to the control law duty = gain * (goal - position), which the logs assume:
-// without D, I, minimum duty and profile. At the end the recorder restores the previous settings. Four
-// motions are recorded with each of three gains. The logs with the middle gain are held out from the fit.
+// The logs assume the control law duty = gain * (goal - position). So the recorder sets the servo's other
+// gains, its minimum duty and its acceleration limit to 0. At the end the recorder restores the previous
+// settings. Four motions are recorded with each of three gains. The logs with the middle gain are held out
+// from the fit.
 #pragma once
 
 #include <functional>
@@ -20,7 +21,7 @@ struct PendulumOptions {
   servo_bus::Protocol protocol = servo_bus::Protocol::feetech;
   int id = 1;
   double mass_kg = 0, length_m = 0, arm_kg = 0;
-  double amplitude_rad = 1.4;  // maximum angle of the goal, to either side of hanging down
+  double amplitude_rad = 1.4;  // maximum angle between the goal and straight down
   double seconds = 6;          // duration of each log
   // If a reading exceeds one of these limits, the torque is switched off, and the recording ends with an
   // error.
@@ -47,7 +48,7 @@ struct PendulumRecord {
 };
 
 // Records all logs. Errors:
-// - environment: the servo does not answer or reports an error, or a limit is exceeded.
+// - environment: the servo reports an error or does not answer, or a limit is exceeded.
 // - usage: the control law of the servo's model is unknown, the torque is on, or the swing exceeds the
 //   servo's range.
 // When this function returns, also after an error or an interrupt, the torque is off and the registers are

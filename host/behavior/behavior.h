@@ -47,8 +47,8 @@ struct Context {
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
   std::string camera = "the camera";  // name of the camera in error messages
-  // Timeout of the camera: a behavior fails after this time without an image. Before that, after
-  // ControlCycle::kLostCamera without an image, the robot stands still and waits.
+  // Timeout of the camera: a behavior fails after this time without an image. If no image has come for
+  // ControlCycle::kLostCamera, the robot stops and waits for the next image.
   Time camera_patience = std::chrono::seconds(2);
   // Null if the run has no camera, or if the behavior's needs_floor is false.
   FloorDetector* floor = nullptr;

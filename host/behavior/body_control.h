@@ -58,7 +58,8 @@ class BodyControl {
   Time newest_exposure() const { return newest_exposure_; }
   // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of the latest consecutive images from which ball() used an observation.
+  // Length of the present series of images from which ball() used an observation. An image without such an
+  // observation ends the series.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
   // The newest observation that ball() used.

@@ -17,9 +17,8 @@ class ControlCycle {
   static constexpr Time kPeriod = std::chrono::milliseconds(10);
   // Duration of the board's ramp to a target. The ramp exceeds the period, so that the motion is continuous.
   static constexpr Time kRamp = std::chrono::milliseconds(12);
-  // Delay from a behavior's decision to the start of the board's ramp. The delay is the sum of three times.
-  // 19 bytes on the wire take 1.65 ms, the board processes them half a tick later, and the pins follow one
-  // tick later.
+  // Delay from a behavior's decision to the start of the board's ramp. The delay has three parts. 19 bytes on
+  // the wire take 1.65 ms, the board processes them half a tick later, and the pins follow one tick later.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
   // After this time without an image, a behavior that uses the camera lets the robot stand still until the
   // next image.
@@ -56,8 +55,9 @@ class ControlCycle {
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 
-// Sets the gains for walking (20 /rad, 0.15 s/rad; neck 12 /rad, hands 0.8 /rad) and enables all motors at
-// their present angles. Every behavior calls this function first.
+// Sets the gains for walking and enables all motors at their present angles. The position gain is 20 per
+// radian, but 12 for the neck and 0.8 for the hands. The damping gain is 0.15 s per radian. Every behavior
+// calls this function first.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -16,8 +16,7 @@ class Pipeline;
 
 namespace kaz::behavior {
 
-// Results for one image pair: depth and planes. One of the planes is the floor, with edges that match the
-// left image.
+// Results for one image pair: depth and planes. The edges of the floor were refined with the left image.
 struct FloorPicture {
   vision::PlaneSegments planes;  // planes.info is the frame information
   vision::DepthImage depth;

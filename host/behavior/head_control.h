@@ -33,7 +33,8 @@ class HeadControl {
   host::Gaze measured() const { return host::gaze_of(input_.posture.angle); }
   const host::JointAngles& posture() const { return input_.posture.angle; }
   BallTracker& tracker() { return tracker_; }
-  // Number of the latest consecutive images in which the ball was detected.
+  // Length of the present series of images in which the ball was detected. An image without a ball ends the
+  // series.
   int consecutive() const { return consecutive_; }
   // Exposure of the newest image processed; zero before the first image.
   Time newest_exposure() const { return newest_exposure_; }

@@ -30,8 +30,8 @@ std::string valid_values(const Option& option);
 
 class OptionValues {
  public:
-  // Returns the defaults overridden by `given`. Errors (usage): a name is unknown, or a value is not valid
-  // for its option. The message lists the valid names or values.
+  // Returns the value of each option: the value in `given`, or else the default. Errors (usage): a name is
+  // unknown, or a value is not valid for its option. The message lists the valid names or values.
   static Result<OptionValues> parse(std::span<const Option> options,
                                     const std::map<std::string, std::string>& given);
 

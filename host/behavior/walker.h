@@ -13,8 +13,8 @@ namespace kaz::behavior {
 class Walker {
  public:
   // Enables the motors and moves slowly into the crouch for walking. If the board has a gyro, the robot then
-  // stands until the gyro is zeroed. The call takes 2 to 8 s. Fails if robot or clock fail, and (usage) for a
-  // robot other than Kaz. The context must outlive the returned object.
+  // stands until the gyro is zeroed. The call takes 2 to 8 s. Fails if robot or clock fail. Also fails
+  // (usage) for a robot other than Kaz. The context must outlive the returned object.
   static Result<Walker> begin(Context& context, std::string_view behavior,
                               const motion::Settings& settings = {});
 

@@ -42,7 +42,8 @@ class WalkingMap {
   const map::LocalMap& map() const { return map_; }
   // Exposure of the newest picture entered; zero before the first picture.
   Time newest() const { return newest_; }
-  // Number of pictures entered that were exposed at `since` or later, among the newest 64.
+  // Returns the number of entered pictures that were exposed at `since` or later. Only the 64 newest pictures
+  // are counted.
   int entered_since(Time since) const;
 
  private:
@@ -77,10 +78,10 @@ Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<do
 struct Ahead {
   double clear_m = 0;  // distance that the robot's center can move straight ahead
   enum class By { nothing, obstacle, unknown } by = By::nothing;
-  Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that ends the way
+  Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that limits clear_m
 };
 // Returns how far a robot at `place` may walk straight ahead, at most `until_m`. If `unknown_ends` is true,
-// the way also ends at unknown floor, not only at obstacles.
+// the robot must also stop before unknown floor.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

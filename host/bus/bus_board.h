@@ -49,8 +49,7 @@ class BusBoard {
   // reply; nullopt if no frame was queued. Returns the errors of the port.
   Result<std::optional<std::vector<std::uint8_t>>> serve();
   const BusDriver::Counts& counts() const { return driver_->counts(); }
-  // Returns a message about servos that have not confirmed that their torque is off, as still_on() in
-  // bus_driver.h does.
+  // Returns the message of host::still_on() (bus_driver.h) about this board's servos.
   std::string still_on() const;
   // Discards partial and queued frames after the port was reopened.
   void forget();
@@ -65,10 +64,11 @@ class BusBoard {
     BusDriver::Torque said = BusDriver::Torque::silent;  // reply to the last torque-off request
     bool accepted = true;  // whether the servo accepted the last recover()
     int missing = 0;       // consecutive readings without a reply
-    double angle = 0, speed = 0, duty = 0, target = 0;  // rad, rad/s, -1..1, rad
-    std::uint8_t trouble = 0;                           // ServoTrouble
-    s16 lower = 0, upper = 0;                           // soft limits, unit 100 urad
-    u16 ramp = 60;                                      // unit 100 urad/ms
+    // `angle` and `target` in rad, `speed` in rad/s, `duty` from -1 to 1.
+    double angle = 0, speed = 0, duty = 0, target = 0;
+    std::uint8_t trouble = 0;  // ServoTrouble
+    s16 lower = 0, upper = 0;  // soft limits, unit 100 urad
+    u16 ramp = 60;             // unit 100 urad/ms
     u16 kp = KZ_KP_DEFAULT, kd = KZ_KD_DEFAULT, dead_band = 0;
     u8 friction = 0;
   };

@@ -106,9 +106,9 @@ class BusDriver {
   Clock& clock_;
 };
 
-// Returns a message that lists the servos that have not confirmed that their torque is off, and the remedy.
-// The message is empty if all servos have confirmed. `torque` has one entry per servo. Example: "pan (id 1)
-// still has torque; lift (id 2) does not confirm that its torque is off: cut the power".
+// Returns a message that lists the servos whose torque may still be on, and names the remedy. The message is
+// empty if all servos have confirmed that their torque is off. `torque` has one entry per servo. Example:
+// "pan (id 1) still has torque; lift (id 2) does not confirm that its torque is off: cut the power".
 std::string still_on(BusDriver::Servos servos, std::span<const BusDriver::Torque> torque);
 
 }  // namespace kaz::host

@@ -51,8 +51,8 @@ Result<std::vector<ScannedServo>> scan_bus(Link& link, Clock& clock, servo_bus::
 // order.
 std::vector<long> bus_rates(servo_bus::Protocol protocol);
 
-// Remarks on a servo with remedies: errors that the servo reports, lost and damaged answers, two servos with
-// one id, a delay before answers.
+// A remark about a servo, often with a remedy. Examples: the servo reports an error, answers are lost or
+// damaged, or the servo waits before each answer.
 struct ScanRemark {
   bool wrong = false;  // false: the servo works, but could work better
   std::string text;

@@ -2,9 +2,9 @@
 // position does not wrap within this range.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A servo's position is its encoder reading within one turn, shifted by a register. If the end of the turn
-// lies inside the joint's range, the position jumps from 4095 to 0 at this place. After such a jump, a
-// position loop turns the joint back the long way.
+// A servo's position is its encoder reading within one turn, shifted by an offset that is stored in a
+// register. If the end of the turn lies inside the joint's range, the position jumps from 4095 to 0 at this
+// place. After such a jump, a position loop turns the joint back the long way.
 //
 //   STS:        position = (encoder - position_offset) mod 4096. The offset moves the end of the turn.
 //   DYNAMIXEL:  position = encoder + homing_offset, in mode 3. The end stays at the encoder's 0.

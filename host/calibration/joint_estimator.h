@@ -40,7 +40,8 @@ struct Equation {
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  // Angle by `line` minus angle by the nominal line, in the middle of the joint's range.
+  // Distance from the nominal line to `line` in the middle of the joint's range; positive if `line` gives the
+  // larger angle.
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;

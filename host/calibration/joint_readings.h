@@ -61,8 +61,8 @@ Result<void> read_floor(host::Robot& robot,
                         const std::array<host::JointCalibration, KZ_JOINTS>& lines,
                         const OnReading& on, std::vector<FloorReading>& readings);
 
-// Reads the mean codes of all joints at rest, with the motors off or holding. `lines` must be the calibration
-// in use.
+// Reads the mean codes of all joints. Precondition: no joint moves; the motors may be off or on. `lines` must
+// be the calibration in use.
 Result<FloorReading> read_here(host::Robot& robot,
                                const std::array<host::JointCalibration, KZ_JOINTS>& lines);
 
@@ -86,7 +86,7 @@ void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line
 // reading: forward and left. Each unknown is the change of the accelerometer's zero offset since the previous
 // reading; for the first reading, the unknown is the zero offset itself.
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
-// Adds the closure of the legs: both soles lie on one plane. If FloorReading::has_force is true, the normal
+// Adds equations which state that both soles lie on one plane. If FloorReading::has_force is true, the normal
 // of this plane is also the direction of the specific force. The additional unknowns of `to` must be
 // floor_unknowns(). `about`: solution at which the equations are linearized.
 void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,

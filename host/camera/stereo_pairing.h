@@ -1,4 +1,4 @@
-// Combines a left and a right picture that are nearest in time into a pair.
+// Combines left and right pictures into pairs: each picture gets the partner that is nearest in time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A thread reads the pictures of both devices, pairs them by time, converts and rectifies them. The cameras
-// need not be synchronized. If the cameras are not synchronized, the two pictures of a moving object may be
-// exposed up to the tolerance apart, which causes depth errors.
+// need not be synchronized. Without synchronization, the exposure times of a pair can differ by up to the
+// tolerance. A moving object then has a depth error.
 #pragma once
 
 #include <array>

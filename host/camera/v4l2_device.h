@@ -27,8 +27,9 @@ struct V4l2Wanted {
   std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
 };
 
-// Error message for a failure of `doing` (such as "asking for its format") at `path`. The message states the
-// cause: no such device, no permission, busy, unplugged, or no bandwidth left.
+// Returns the error for a failed operation on the device at `path`. `doing` describes the operation, such as
+// "asking for its format". The message states the cause: no such device, no permission, busy, unplugged, or
+// no bandwidth left.
 Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
 
 // Meaning of a driver's time stamps. `arrival`: the stamps are not on CLOCK_MONOTONIC, and the time at which
@@ -40,8 +41,8 @@ Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 class V4l2Device {
  public:
   // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if `path` is not a
-  // video device, or if the device does not deliver pictures. Also fails if the device offers only
-  // multi-planar pictures, no supported format, or not the wanted size.
+  // video device, or if the device does not deliver pictures. Also fails unless the device offers
+  // single-planar pictures of the wanted size in a supported format.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();

@@ -14,7 +14,7 @@
 namespace kaz::host {
 
 struct BootOptions {
-  int baud = 9600;  // bit rate: 9600 or 4800; also 19200 for chips with A mask
+  int baud = 9600;  // bit rate: 9600 or 4800; chips of the A-mask version also support 19200
   int tries = 60;   // maximum number of H'00 bytes sent
 };
 

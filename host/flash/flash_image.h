@@ -23,7 +23,8 @@ inline constexpr std::uint32_t kBlockStart[kFlashBlocks + 1] = {
     0x0000, 0x0400, 0x0800, 0x0c00, 0x1000, 0x8000, 0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 // Blocks that an update through the resident loader keeps (firmware/kaz.ld).
 inline constexpr int kVectorBlock = 0, kLoaderBlock = 6;
-// Three blocks with the calibration, the second copy of the calibration, and the board's address.
+// Block 1 contains the calibration, block 2 the second copy of the calibration, and block 3 the board's
+// address.
 inline constexpr int kSettingsBlocks[] = {1, 2, 3};
 
 struct FlashRange {

@@ -34,7 +34,7 @@ std::string progress_text(const FlashProgress& progress);
 struct FlasherOptions {
   BootOptions boot;
   int baud = 115200;  // bit rate while the flash writer runs
-  // Address of the board whose firmware starts its loader.
+  // Address to which enter_loader() sends its requests.
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
@@ -45,8 +45,8 @@ struct FlasherOptions {
   std::function<void(const std::string&)> note;  // called with one line for the user
 };
 
-// Times for erasing and programming of a chip that programs 32 bytes at once, for the lower bound on the
-// duration of flashing.
+// Erase and programming times of a chip that programs 32 bytes at once. The lower bound on the duration of
+// flashing is computed from these times.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
   // Time to program one line, which is the sum of the waits in the programming algorithm. In us: 10 (SWE) +
@@ -96,7 +96,8 @@ class Flasher {
   // writes and verifies the header.
   //
   // A write through the loader does not change the blocks of vectors and loader. If the image is a Kaz
-  // application, for example a copy of a board's flash, calibration and address stay unchanged, too.
+  // application, such a write also leaves calibration and address unchanged, even if the image contains their
+  // blocks.
   Result<FlashReport> write(const FlashImage& image);
   // Compares the flash with the image. Errors (failed): the message names the first range or blocks that
   // differ.

@@ -46,8 +46,8 @@ class Exchanger {
   // pending.
   virtual Result<std::vector<Reply>> exchange(std::span<const Request> requests) = 0;
 
-  // post() and collect() split exchange(), so that requests can leave while earlier replies arrive. post()
-  // queues a request and does not wait for its reply.
+  // With post() and collect() instead of exchange(), a request can leave while earlier replies arrive. The
+  // function post() queues a request and does not wait for its reply.
   using Ticket = std::uint64_t;
   virtual Result<Ticket> post(const Request& request) = 0;
   // Waits until `deadline` for the reply to the request with this ticket. Returns nullopt if the reply has

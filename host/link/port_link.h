@@ -32,13 +32,14 @@ class PortLink : public Link, public ModemLines {
   // Counts of irregular events as a text, such as "3 error frames, bus-off once"; empty if no such event
   // occurred.
   virtual std::string counts() const { return ""; }
-  // For a servo bus: a sentence that lists the servos that have not confirmed torque off, and the remedy. The
+  // For a servo bus: a sentence that lists the servos whose torque may still be on, and names the remedy. The
   // sentence is empty for other links.
   virtual std::string still_on() const { return ""; }
 };
 
-// Opens the port. Returns the errors of the opened kind of link, one sentence each. `interrupt` may be null;
-// else `interrupt` must outlive the link. Deadlines are on WallClock's scale.
+// Opens the port. Returns the errors of the link type that `address` selects. Each error message is one
+// sentence. `interrupt` may be null; else `interrupt` must outlive the link. Deadlines are on WallClock's
+// scale.
 Result<std::unique_ptr<PortLink>> open_port(const PortAddress& address,
                                             const Interrupt* interrupt = nullptr);
 

@@ -27,9 +27,10 @@ namespace kaz::host {
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
 // next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
-// read() again, as LineBridge does. Rate and modem lines change once board.drained() returns true. If the
-// port does not send a client's bytes within 5 s, the server disconnects the client. All bytes that a client
-// sent before leaving reach `board`, even if the client left without reading.
+// read() again, as LineBridge does. The server changes the bit rate and the modem lines only after
+// board.drained() has returned true. If the port does not send a client's bytes within 5 s, the server
+// disconnects the client. All bytes that a client sent before leaving reach `board`, even if the client left
+// without reading.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };

@@ -15,11 +15,12 @@
 // the request is repeated once. No request reuses one of the last 16 sequence numbers.
 //
 // An old command never overtakes a newer command. A request that changes something waits until all earlier
-// requests that change something have been answered. So at most one query follows a repeated request. The
-// board still recognizes the retry of this request, because the board remembers KZ_REQUESTS_REMEMBERED
-// requests. The reply to a query shows the effect of all commands that were posted before the query. If the
-// query was lost and repeated, the reply can also show the effect of requests that were posted after the
-// query. The tick in the reply is the time of the returned state.
+// requests that change something have been answered. So at most one query is sent between a request that
+// changes something and the retry of this request. The board still recognizes the retry of this request,
+// because the board remembers KZ_REQUESTS_REMEMBERED requests. The reply to a query shows the effect of all
+// commands that were posted before the query. If the query was lost and repeated, the reply can also show the
+// effect of requests that were posted after the query. The tick in the reply is the time of the returned
+// state.
 #pragma once
 
 #include <cstdint>

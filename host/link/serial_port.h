@@ -23,9 +23,9 @@ struct OpenPort {
 
 // Opens `path` non-blocking with 8 data bits, no parity, 1 stop bit, no flow control, no echo and no
 // translation. `path` may also be a pseudo-terminal or a symbolic link to a port. Requests low latency from
-// the driver, which FTDI adapters support. Fails (environment) if the port is missing, not permitted, in use,
-// not a terminal, or left behind by a killed simulator. The message contains the remedy. Fails (usage) for an
-// unsupported `baud`.
+// the driver; the drivers of FTDI adapters support this mode. Fails (environment) if the port is missing, not
+// permitted, in use, not a terminal, or left behind by a killed simulator. The message contains the remedy.
+// Fails (usage) for an unsupported `baud`.
 Result<OpenPort> open_serial_port(const std::string& path, int baud);
 
 // Sets the rate of an open port. `path` appears in error messages. Fails (usage) if this system does not

@@ -35,9 +35,10 @@ struct FloorView {
 };
 
 // Input of a view: rectified left image, its planes, and the pose of the foot. If `depth` and `map` are not
-// null, a pixel also counts as floor if the map has floor at this place, and the pixel's depth is missing or
-// agrees with the floor. Without such additional pixels, a floor of planks shows little of its pattern,
-// because the edges of planks are parallel to the picture's rows. All references must outlive this object.
+// null, additional pixels can count as floor. For such a pixel, the map must have floor at the pixel's place.
+// The depth of the pixel must agree with the floor or be missing. Without such additional pixels, a floor of
+// planks shows little of its pattern, because the edges of planks are parallel to the picture's rows. All
+// references must outlive this object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`

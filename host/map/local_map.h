@@ -12,17 +12,18 @@
 // - Floor. The center of each cell in view is projected into the picture. The cell is floor if the pixel
 //   belongs to the floor segment. Pixels at the sides of the picture do not count, because an object that is
 //   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. This
-//   direction of projection leaves no holes far away, where a pixel is larger than a cell, and clears no
-//   cells behind an obstacle.
+//   direction of projection leaves no holes far away, where a pixel is larger than a cell. Also, cells behind
+//   an obstacle get no floor votes.
 // - Obstacle. Each other pixel with a depth is a point. A point votes for an obstacle in its cell if the
 //   point is higher than `obstacle_m` and lower than the robot. The height of the point must also be larger
 //   than three times its standard deviation. A cell's vote is 1 if the cell's points fill a quarter of the
 //   cell's width and height. The vote is less if a neighboring cell has more points. Stereo errors move a
 //   point only along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So a
 //   point whose cell is floor in the same picture is moved along its ray by up to two sigma, to a cell
-//   without floor. A point is moved to the end of the floor below the point if the distance is at most three
-//   sigma. A face without texture has no depth between its two edges. If both edges are at the end of the
-//   floor, the whole face is placed there (contact_line.h).
+//   without floor. If the floor ends below a point in the picture, the distances of this end and of the point
+//   are compared. If the distances differ by at most three sigma, the point is moved to the end of the floor.
+//   A face without texture has no depth between its two edges. If both edges are at the end of the floor, the
+//   whole face is placed there (contact_line.h).
 // - Hole. A point counts as below the floor if it is lower by more than `drop_m` and three sigma. The point's
 //   ray must have crossed the plane of the floor at a place without floor. The cell at this place is an
 //   obstacle.
@@ -37,8 +38,9 @@
 // degrees and the height by 4 mm (one sigma). Such errors shift floor at a distance of 1 m by 4 cm.
 //
 // The weight of a vote is min(1, cell_m / dz), where dz = z^2 / (fx baseline) disparity_error_px is one sigma
-// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. The
-// log-odds saturate at 10 for an obstacle, and at -3, which is five votes, for floor.
+// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. A cell
+// saturates as an obstacle at log-odds of 10. A cell saturates as floor at log-odds of -3, which five votes
+// reach.
 #pragma once
 
 #include <cstddef>

@@ -15,11 +15,11 @@
 // c''. For the sine c(t), the ZMP is
 //   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
 //
-// A foot may leave the floor only while p lies inside the other sole, by at least `margin` from its inner
-// edge. A swing is centered on the peak of the sine and lasts for the share `swing` of the cycle. So the sine
-// is cos(pi swing) at both ends of the swing. The distance of the inner edges of the soles from the middle of
-// the feet is hip_y cos(roll) - kHalfSole. These conditions determine the amplitude of the trunk's roll,
-// which roll_for() computes.
+// A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
+// edge of this sole must be at least `margin`. A swing is centered on the peak of the sine and lasts for the
+// share `swing` of the cycle. So the sine is cos(pi swing) at both ends of the swing. The distance of the
+// inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole. These conditions
+// determine the amplitude of the trunk's roll, which roll_for() computes.
 #pragma once
 
 #include "host/motion/inverse.h"

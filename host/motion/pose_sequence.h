@@ -41,9 +41,9 @@ Result<PoseSequence> parse_poses(std::string_view text, const std::string& name)
 // Returns the text of a pose file for this sequence, on one line.
 std::string text_of(const PoseSequence& sequence);
 
-// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984). All
-// joints are at rest at both ends. Between two poses, a joint stays within the range from one pose's angle to
-// the other pose's angle.
+// Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984). At the
+// start and at the end, all joints are at rest. Between two poses, a joint stays within the range from one
+// pose's angle to the other pose's angle.
 class PoseMotion {
  public:
   // `joints`: joint names, indexed by joint number. Fails (usage) if the sequence contains a joint that is

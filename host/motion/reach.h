@@ -31,9 +31,9 @@ class Pickup {
 
   Side hand() const { return hand_; }
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
-  // closed() returns the target angle of the closing hand. stopped() returns the largest closing angle at
-  // which a ball of this radius stops the hand. Units: rad.
+  // Returns the target angle of the closing hand, rad.
   double closed() const { return closed_; }
+  // Returns an upper bound of the angle (rad) at which a ball of this radius stops the hand.
   double stopped() const { return stopped_; }
 
   // Returns the angles of legs, arms and hands (not of the neck). Before time 0, returns the first pose.

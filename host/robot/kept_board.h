@@ -49,8 +49,9 @@ Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
 // loads the calibration in flash only at a reset.
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
-// Returns the end of a sentence about a newly stored calibration: the command that erases the calibration. If
-// the firmware has no image (`kaz sim --mcu native`), the text states how long the calibration lasts instead.
+// Returns the end of a message about a newly stored calibration. This text names the command that erases the
+// calibration. If the firmware has no image (`kaz sim --mcu native`), the text states how long the
+// calibration lasts instead.
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address);
 

@@ -65,9 +65,9 @@ class Robot {
   // that was off holds its present angle. Clears a latched shutdown whose cause is gone. Fails unless the
   // board's reply confirms for each joint that its motor is on or off as requested.
   Result<void> enable(std::uint32_t mask);
-  // Starts linear ramps to the targets within `duration` (0..65 s; 0: as fast as the joint's ramp limit
-  // allows). If one target is outside the joint's limits, or if one of the joints is off, the board refuses
-  // all targets.
+  // Starts linear ramps to the targets. A ramp takes `duration` (0..65 s), or longer if the joint's ramp
+  // limit requires more time. If one target is outside the joint's limits, or if one of the joints is off,
+  // the board refuses all targets.
   Result<void> set_targets(std::span<const JointTarget> targets, Time duration);
   // For each joint of the mask, returns the target angle (rad), or the present angle if the joint is off.
   // Returns 0 for all other joints.

@@ -10,8 +10,8 @@
 //
 // Bytes may be damaged or hostile, and a checksum does not exclude hostile bytes. So the reader refuses
 // values out of range. The limit of an enumeration is last_value(). kMaxArchived limits floating-point
-// numbers, and kMaxArchivedTime limits times. The number of remaining bytes limits lengths. A class checks
-// all other indices, lengths, shifts and divisors itself, with require() in transfer().
+// numbers, and kMaxArchivedTime limits times. A length cannot exceed the number of remaining bytes. A class
+// checks all other indices, lengths, shifts and divisors itself, with require() in transfer().
 //
 // After a refusal, the members can have arbitrary values, and the owner of the object must restore the old
 // values.
@@ -85,7 +85,8 @@ concept BoundedEnum = requires(E e) {
   { last_value(e) } -> std::same_as<E>;
 };
 
-// Base class of writer and reader. Derived defines number(), plain() and `reading`. Not thread-safe.
+// Base class of writer and reader. The derived class defines number(), plain() and `reading`. Not
+// thread-safe.
 template <class Derived>
 class StateArchive {
  public:

@@ -17,8 +17,8 @@
 
 namespace kaz {
 
-// Maximum nesting depth. The files of Kaz have fewer levels. To copy, compare or print a document,
-// nlohmann::json recurses once per level. A stack holds only some thousand levels.
+// Maximum nesting depth. The files of Kaz have fewer levels than this maximum. To copy, compare or print a
+// document, nlohmann::json recurses once per level. The stack has room for only a few thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
 enum class JsonComments { refused, ignored };
@@ -90,7 +90,7 @@ Result<Json> parse_bounded_json(std::string_view text,
   return Json::parse(text, nullptr, false, ignored);
 }
 
-// Returns a value as text for an error message, shortened.
+// Returns a value as text, shortened for an error message.
 template <class Json>
 std::string json_sample(const Json& value) {
   return cut_text(value.dump(-1, ' ', false, Json::error_handler_t::replace));

@@ -1,8 +1,8 @@
 // Reads whole files, writes files atomically, and creates temporary folders.
 // SPDX-License-Identifier: Apache-2.0
 //
-// New files and folders get unused names (O_EXCL, mkdtemp). So in a folder that other users can write to,
-// such as /tmp, a planted link under a guessed name is not followed.
+// New files and folders get unused names (O_EXCL, mkdtemp). In a shared folder such as /tmp, another user can
+// place a link under a guessed name. These functions do not follow such a link.
 #ifndef KAZ_SHARED_BASE_FILES_HPP
 #define KAZ_SHARED_BASE_FILES_HPP
 
@@ -92,8 +92,8 @@ inline Result<Descriptor> open_input(const std::string& path,
                                           : "is a device, not a file");
 }
 
-// Returns all bytes of the file at `path`. Returns Fault::usage for the errors of open_input(), failed reads,
-// or more than `max_bytes`.
+// Returns all bytes of the file at `path`. Returns Fault::usage if open_input() fails, a read fails, or the
+// file is larger than `max_bytes`.
 inline Result<std::string> read_whole_file(const std::string& path, std::size_t max_bytes,
                                            const std::string& hint = "check the path") {
   const auto file = KAZ_TRY(open_input(path, hint));

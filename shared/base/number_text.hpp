@@ -10,9 +10,9 @@
 
 namespace kaz {
 
-// Parses the whole of `text` as a number with std::from_chars. Returns nullopt if the text is not a number,
-// or the number is out of the type's range or not finite. `base` applies to integers; `text` must not have
-// the prefix 0x.
+// Parses the whole of `text` as a number with std::from_chars. Returns nullopt if the text is not a finite
+// number, or if the number is out of the type's range. `base` applies to integers; `text` must not have the
+// prefix 0x.
 template <class Number>
 std::optional<Number> parse_number(std::string_view text, [[maybe_unused]] int base = 10) {
   Number value{};

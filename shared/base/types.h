@@ -1,8 +1,8 @@
 // Fixed-width integers for code that is compiled for the H8S/2128 and for the PC.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The H8 compiler has 16-bit int and no <stdint.h>. An expression in shared/ that could overflow 16 bits must
-// cast its operands first: `(s32)a * b`, never `(s32)(a * b)`.
+// The H8 compiler has a 16-bit int, and the header stdint.h is missing. An expression in shared/ that could
+// overflow 16 bits must cast its operands first: `(s32)a * b`, never `(s32)(a * b)`.
 #ifndef KAZ_SHARED_BASE_TYPES_H
 #define KAZ_SHARED_BASE_TYPES_H
 

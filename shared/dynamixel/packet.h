@@ -49,7 +49,7 @@ enum class Failure : std::uint8_t {
   instruction = 2,
   crc = 3,
   range = 4,   // value out of the register's range
-  length = 5,  // data end in the middle of a register
+  length = 5,  // the written data stop in the middle of a register
   limit = 6,   // value beyond the limit set by another register
   access = 7,  // the register is read-only or locked, or the address has no register
 };

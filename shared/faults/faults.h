@@ -8,7 +8,7 @@
 //   at 2 s for 500 ms link_drop 0.05 to board   # 5 % of the bytes from the host
 //   at 4 s power_reset
 //
-// Times count from the start of the simulation, or of the port, to which the schedule is given.
+// Times count from the start of the simulation. For a real port, times count from the opening of the port.
 #pragma once
 
 #include <chrono>
@@ -123,7 +123,7 @@ struct RandomOptions {
   Time length = std::chrono::seconds(10);         // all faults begin within this time
   double per_second = 1;                          // mean rate of faults, 1/s
   Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
-  // Whether to draw faults of the line, of joints, and of the board's power.
+  // Whether the random schedule can contain faults of the line, of joints, and of the board's power.
   bool line = true, joints = true, power = true;
 };
 // Returns a message such as "1 fault never began, because the run ended before it: at 100 s power_reset", or

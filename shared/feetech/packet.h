@@ -3,9 +3,9 @@
 //
 //   FF FF ID LENGTH CODE parameters... CHECKSUM
 //
-// LENGTH is the size from CODE to CHECKSUM: parameters + 2. CODE is the instruction in a request and the
-// status byte (error bits) in a reply. CHECKSUM is the complement of the low byte of the sum from ID to the
-// last parameter.
+// LENGTH is the number of bytes from CODE to CHECKSUM, which is the number of parameters plus 2. CODE is the
+// instruction in a request and the status byte (error bits) in a reply. CHECKSUM is the complement of the low
+// byte of the sum from ID to the last parameter.
 //
 // Sources: "Steering Gear SCS Communication Protocol" (Feetech); ROBOTIS e-Manual, "DYNAMIXEL Protocol 1.0".
 // docs/reference/servo-bus.md has the details.

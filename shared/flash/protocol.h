@@ -32,8 +32,8 @@
 // Requests. The comment on each request describes the payload of the request. The comment also describes the
 // payload of the reply, without the status and the unused byte. Numbers in brackets are sizes in bytes.
 //
-// INFO: the request is empty. The reply has the protocol version (1), 1 if the loader started the writer (1),
-// and the board id (2; FFFF: unknown).
+// INFO: the request is empty. The reply has the protocol version (1), a flag (1), and the board id (2). The
+// flag is 1 if the loader started the writer, otherwise 0. The board id FFFF means that the id is unknown.
 #define KZ_WRITER_INFO 1
 // RATE: the request has the new value of the register BRR (1). The new rate takes effect after the reply.
 #define KZ_WRITER_RATE 2
@@ -48,10 +48,10 @@
 // A request that reaches beyond the end of flash writes nothing to flash.
 //
 // In a write to RAM, the upper half of the address is 00FF. Writes to RAM have only one use: to load the
-// writer's second stage after boot mode, in order and without gaps. Bytes below the end of the loaded part
-// are compared and not stored. So a repeated request succeeds, and code that may be running never changes. A
-// writer that the loader started refuses every write to RAM. The reply to a write to RAM has the low half of
-// the request's address.
+// writer's second stage after boot mode, in order and without gaps. Below the end of the loaded part, the
+// writer stores nothing. It only compares the received bytes with the loaded bytes. So a repeated request
+// succeeds, and code that may be running never changes. A writer that the loader started refuses every write
+// to RAM. The reply to a write to RAM has the low half of the request's address.
 #define KZ_WRITER_WRITE 4
 // SUM: the request has address (4) and length (4). The reply has CRC-16 (2), sum (2) and sum of sums (2).
 #define KZ_WRITER_SUM 5
@@ -70,7 +70,7 @@
 // all RAM. After boot mode, the writer protects RAM outside the second stage. The writer also refuses bytes
 // that differ from the loaded part of the second stage.
 #define KZ_WRITER_PROTECTED 4
-#define KZ_WRITER_NOT_ERASED 5   // cells are still programmed after the maximum number of pulses
+#define KZ_WRITER_NOT_ERASED 5   // some cells are not erased after the maximum number of pulses
 #define KZ_WRITER_NOT_WRITTEN 6  // cells have a wrong value after the maximum number of pulses
 #define KZ_WRITER_NOT_BLANK 7    // the line holds other data; erase the block first
 #define KZ_WRITER_LOCKED 8       // the chip's error protection is active until reset

@@ -41,13 +41,14 @@ class SymbolTable {
   SymbolTable() = default;
   SymbolTable(std::vector<Symbol> symbols, std::vector<SourceLine> lines);
 
-  // Returns the address of a symbol, given with or without C's leading underscore.
+  // Returns the address of a symbol. The leading underscore of C can be omitted from `name`.
   std::optional<std::uint32_t> address_of(std::string_view name) const;
   // Returns the nearest symbol at or below `address`, or null. The parsers omit compiler-generated labels.
   const Symbol* at(std::uint32_t address) const;
   // Returns the nearest source line at or below `address`, or null.
   const SourceLine* line_at(std::uint32_t address) const;
-  // Returns "_main+0x12 (main.c:34)", "_main", or "0x001234" far from any symbol.
+  // Returns text such as "_main+0x12 (main.c:34)" or "_main". If no symbol is near, returns the address, such
+  // as "0x001234".
   std::string describe(std::uint32_t address) const;
 
   const std::vector<Symbol>& symbols() const { return symbols_; }
@@ -84,8 +85,8 @@ enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 struct LoadOptions {
   // Automatic: the format is detected from the first bytes; raw is never detected.
   Format format = Format::automatic;
-  // Address of the first byte of a raw image, which is also the image's entry. Must be nullopt for other
-  // formats.
+  // Address of the first byte of a raw image. The image's entry is the same address. Must be nullopt for
+  // other formats.
   std::optional<std::uint32_t> address;
 };
 // Reads an image file of up to 128 MB. Returns an error if the file is unreadable or invalid.

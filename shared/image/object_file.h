@@ -38,8 +38,8 @@ class ObjectFile {
   // messages.
   std::string text(std::size_t at, std::size_t max_length) const;
   // Adds `segment` with `size` bytes at file offset `offset`. For error messages: `at` is the offset of the
-  // segment's header, `what` is the segment's name. Returns an error for contents outside the file or above
-  // 32 MB in all.
+  // segment's header, `what` is the segment's name. Returns an error if contents are outside the file, or if
+  // all contents together exceed 32 MB.
   Result<void> add(std::size_t at, const std::string& what, Segment segment, std::size_t offset,
                    std::size_t size);
 

@@ -23,12 +23,12 @@ class Axis {
   // Returns an axis with about `count` ticks. The tick step is 1, 2 or 5 times a power of ten. If the ends
   // are equal, in reverse order or not finite (no data), the axis gets a valid range instead.
   static Axis linear(double low, double high, int count, End low_end, End high_end);
-  // Returns an axis for positive values, with a margin of 2 %. If an end is not positive and finite, or the
-  // ends are in reverse order, the axis goes from 1 to 10.
+  // Returns an axis for positive values, with a margin of 2 %. If an end is zero, negative or not finite, or
+  // if the ends are in reverse order, the axis goes from 1 to 10.
   static Axis logarithmic(double low, double high);
 
-  // Returns whether the axis can show the value. The value must be finite, and on a logarithmic axis
-  // positive.
+  // Returns whether the axis can show the value. The value must be finite. On a logarithmic axis, the value
+  // must also be positive.
   bool shows(double value) const;
   double at(double value) const;  // position on the axis: 0 to 1 between the ends
   const std::vector<Tick>& ticks() const { return ticks_; }

@@ -9,16 +9,16 @@
 //   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) of the stuffed bytes,
 //            in 7-bit groups without zeros: 0x80|crc>>14, 0x80|crc>>7&0x7f, 0x80|crc&0x7f
 //
-// Each frame has its own zero at both ends. So a receiver that joins late, or loses or gains bytes, is
-// synchronized again at the next zero.
+// Each frame begins with a zero byte and ends with a zero byte. Two frames never share a zero. So a receiver
+// that joins late, or loses or gains bytes, is synchronized again at the next zero.
 //
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
 //   - A byte inside the frame that does not become zero. Either the damaged byte belongs to the check, or the
 //     damage is a burst of at most 8 bits, which the CRC detects.
-//   - The first zero. The CRC then begins with the damaged byte. No such byte leaves the CRC at its start
-//     value, so the check is wrong.
-//   - The last zero. The frame would be accepted only if the first byte of the check were a stuffing byte,
-//     but stuffing bytes are below 0x80.
+//   - The first zero. The receiver then includes the damaged byte in its CRC. No such byte leaves the CRC at
+//     its start value, so the check is wrong.
+//   - The last zero. The receiver then reads the first byte of the check as a stuffing byte. Stuffing bytes
+//     are below 0x80, but bytes of the check are not, so the receiver rejects the frame.
 //   - A byte inside the frame that becomes zero. The part before this zero would be accepted only if the
 //     check of this part began with a stuffing byte. The part after this zero has a valid check only if
 //     kz_frame_splits returns 1.

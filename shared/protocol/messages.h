@@ -49,7 +49,7 @@ extern "C" {
 #define KZ_SHUTDOWN_TEMPERATURE 6   // motor drivers too hot
 #define KZ_SHUTDOWN_REFERENCE 7     // the A/D converter misreads the reference voltage
 #define KZ_SHUTDOWN_STALL 8         // high load at standstill; detail: joint
-#define KZ_SHUTDOWN_OVERLOAD 9      // the motor is too hot by the I2t model; detail: joint
+#define KZ_SHUTDOWN_OVERLOAD 9      // too hot according to the I2t model; detail: joint
 #define KZ_SHUTDOWN_SELF_TEST 10    // a test at start failed; only a reset clears this reason
 
 // Reactions of the link watchdog.
@@ -61,7 +61,7 @@ extern "C" {
 #define KZ_JOINT_MOVING 0x02    // the joint's ramp is running or about to start
 #define KZ_JOINT_POT 0x04       // the joint's potentiometer is out of range
 #define KZ_JOINT_STALLED 0x08   // at standstill under high load now
-#define KZ_JOINT_HOT 0x10       // heat is more than half of the limit that switches motors off
+#define KZ_JOINT_HOT 0x10       // heat is above half of the switch-off threshold
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
 // Capabilities in `identify_reply`.
@@ -81,7 +81,7 @@ extern "C" {
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
 #define KZ_TEST_CONVERTER 0x04  // A/D converter, which measures half of its own reference voltage
-#define KZ_TEST_SUPPLY 0x08     // never fails, because the board may run without motor supply
+#define KZ_TEST_SUPPLY 0x08     // never fails, because the board also runs without motor supply
 
 // Source of the calibration.
 #define KZ_CALIBRATION_NOMINAL 0  // no valid copy in flash

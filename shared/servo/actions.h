@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Completes the action that the previous tick requested, and clears the action. Sets the outcome of the
-// request that started the action to the outcome given by input->result.
+// Completes the action that the previous tick requested, and clears the action. The request that started the
+// action gets the outcome input->result.
 void kz_action_finish(kz_servo* servo, const kz_tick_input* input);
 
 // Returns the pending action (KZ_ACTION_*) once all earlier replies have been sent and the transmit buffer is

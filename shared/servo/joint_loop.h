@@ -15,8 +15,8 @@
 //
 // To save time, the full computation runs only for `constrained` joints. A joint is constrained if it has a
 // dead band or friction, or is near a limit. protection.c checks every 4 ms whether a joint is near a limit.
-// A joint counts as near a limit unless both limits are further away than the joint can move within 4 ms at
-// any allowed speed.
+// A joint counts as near a limit if the joint may need to brake for this limit within 4 ms. Joints faster
+// than 8 rad/s always count as near a limit.
 #ifndef KAZ_SHARED_SERVO_JOINT_LOOP_H
 #define KAZ_SHARED_SERVO_JOINT_LOOP_H
 
@@ -34,10 +34,10 @@ extern "C" {
 #define KZ_CONSTRAINED_NEAR_LIMIT 1
 #define KZ_CONSTRAINED_BY_FRICTION 2  // has a dead band or friction
 
-// A joint whose distance to both limits exceeds the sum of its rate and KZ_FAR_FROM_LIMIT cannot reach the
-// braking region within 4 ms. The allowed rate is the distance plus 1000. Within 4 ms the distance shrinks
-// by at most 620 (15.5 rad/s, no-load speed at 12 V). In 4 ms, the filter passes 41 % of a step of the
-// speed, so full drive raises the filtered rate by at most 3,420.
+// A joint is far from a limit if the distance exceeds the sum of the rate and KZ_FAR_FROM_LIMIT. Such a joint
+// does not have to brake for the limit within 4 ms. The allowed rate is the distance plus 1000. Within 4 ms
+// the distance shrinks by at most 620 (15.5 rad/s, no-load speed at 12 V). In 4 ms, the filter passes 41 % of
+// a step of the speed, so full drive raises the filtered rate by at most 3,420.
 #define KZ_FAR_FROM_LIMIT 3100
 
 // Runs one tick for KZ_JOINTS joints. Updates angle and rate from the A/D codes, and ramp, duty and

@@ -18,7 +18,7 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
 // Starts the ramps of the joints in fresh_targets, with `target` and `target_ms` of each joint. Each call
-// starts up to six ramps, so all ramps start within three ticks. The request itself starts no ramps, to
+// starts at most six ramps, so all ramps start within three ticks. The request itself starts no ramps, to
 // bound the load of a tick. fresh_targets must not be 0.
 void kz_joints_start_ramps(kz_servo* servo);
 
@@ -30,8 +30,8 @@ s16 kz_joint_drive(const kz_joint* joint);
 // Returns the torque in units of 1/255 of the stall torque at 10 V, saturated at 255 (protection.h).
 u8 kz_joint_load(const kz_joint* joint);
 
-// Drives the motor of a joint that is off with `drive`, -255..255. Soft limits apply as in the loop. Call
-// kz_joint_drive_raw after kz_joints_update.
+// Drives a motor with the drive value `drive`, -255..255. The joint must be off. Soft limits apply as in the
+// loop. Call kz_joint_drive_raw after kz_joints_update.
 void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 
 // Convert `kp` and `kd` from the units of the message `gains` to the units of the loop.

@@ -13,7 +13,8 @@ extern "C" {
 // fields. Returns the size in bytes.
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer, u8* fields);
 
-// Appends the second part of a SPLIT_REPLY to `bytes` bytes of fields. Returns the total size in bytes.
+// Appends the second part of a SPLIT_REPLY to `fields`. The first part has the size `bytes`. Returns the
+// total size in bytes.
 u8 kz_reply_rest(const kz_servo* servo, const kz_answer* answer, u8* fields, u8 bytes);
 // Returns 1 if the request's reply is a SPLIT_REPLY, which takes two ticks to write.
 u8 kz_reply_takes_two(u8 request_type);

@@ -12,8 +12,8 @@ extern "C" {
 // Sets factory values: nominal calibration, default address, no tests done.
 void kz_startup_nominal(kz_startup* startup);
 
-// Tests the A/D converter (by its reference) and the motor supply, and records the results in `startup`. Only
-// the test of the converter can fail, because a board without motor supply may run with motors off. `analog`
+// Tests the A/D converter (by its reference) and the motor supply, and records the results in `startup`. The
+// test of the supply never fails, because the board also runs without motor supply, with motors off. `analog`
 // has the layout of kz_tick_input.analog.
 void kz_startup_test_analog(kz_startup* startup, const u16* analog);
 

@@ -60,8 +60,8 @@ typedef struct kz_store_plan {
   u8 erase;  // 1: erase the block first
 } kz_store_plan;
 
-// Scans a log with `parts` lines per copy. `images` points to the `blocks` (1 or 2) blocks of the log, 1 KB
-// each.
+// Scans a log with `parts` lines per copy. `images` points to the blocks of the log, each 1 KB. `blocks` is
+// the number of blocks, 1 or 2.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
 // Plans the next copy. The copy follows the used lines of the newest copy's block if there is room. If there
@@ -70,8 +70,8 @@ void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts
 // written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
-// Writes part `part` of the planned copy to `line`: 32 bytes, to be programmed at line plan->line + part.
-// `data` has KZ_STORE_DATA bytes.
+// Writes one part of the planned copy to `line` (32 bytes). The caller must then program this line at the
+// line number plan->line + part. `data` has KZ_STORE_DATA bytes.
 void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan, u8 part,
                      const u8* data);
 

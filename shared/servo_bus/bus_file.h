@@ -49,8 +49,8 @@ std::string bus_file_path(const std::string& urdf_path);
 // Reads and parses bus.json beside the URDF. Returns Fault::usage if the file is missing or invalid.
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
-// Returns `text` with the zeros (sensor steps) of the joints in `zeros` replaced; other values are kept.
-// Precondition: parse_bus_file accepts `text`.
+// Returns a copy of `text` in which each joint in `zeros` has its new zero (sensor steps). All other values
+// are the same. Precondition: parse_bus_file accepts `text`.
 std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros);
 
 }  // namespace kaz::servo_bus

@@ -37,12 +37,12 @@ struct DriverParams {
 struct ImuAxisParams {
   // Output as a fraction of AVCC, per unit; the output for 0 is half of AVCC.
   double share_per_unit = 0;
-  double zero_offset = 0;    // maximum offset of the zero point, in units
-  double wander = 0;         // standard deviation of the zero point's drift, in units
+  double zero_offset = 0;    // maximum offset of the zero point, rad/s or m/s^2
+  double wander = 0;         // standard deviation of the zero point's drift, rad/s or m/s^2
   double wander_time_s = 1;  // correlation time of the drift (1/e)
   double bandwidth_hz = 40;  // bandwidth of the first-order low-pass, -3 dB
   double noise_density = 0;  // one-sided noise density, units per root Hz
-  double range = 0;          // maximum quantity in units; beyond this value, the output saturates
+  double range = 0;          // maximum, rad/s or m/s^2; beyond this value, the output saturates
 };
 
 struct SensorParams {

@@ -150,7 +150,7 @@ class ServoBoard {
   PinLevels pins_;
   States integrated_from_ = 0, integrated_to_ = 0;
   States enabled_states_ = 0;
-  // Time integral of the signed duty: sum of duty in 256ths times duration in states.
+  // Time integral of the signed duty. The duty is in units of 1/256, the time in states.
   std::array<std::int64_t, KZ_JOINTS> duty_states_{};
 };
 

@@ -84,7 +84,7 @@ class DynamixelServo final : public VirtualServo {
   DynamixelProtection protection_;
   dynamixel::PacketReader reader_;
   Time last_request_{};
-  Time started_{-1};  // time at which realtime_tick was 0; -1: set by the next step
+  Time started_{-1};  // time at which realtime_tick was 0; -1: the next step sets this time
   bool has_backup_ = false;
   struct RegWrite {
     std::size_t address;

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sources: data sheet STS3215 (2020-04-10) and memory tables.
-// - A torque above overload_torque for protection_time limits the output to protective_torque until a new
+// - If the torque exceeds overload_torque for longer than protection_time, the output is limited to
+//   protective_torque until a new position command.
+// - If the current exceeds protection_current for longer than overcurrent_time, the output is off until a new
 //   position command.
-// - A current above protection_current for overcurrent_time switches the output off until a new position
-//   command.
 // - The output is off while the supply voltage is outside the limits.
 // - A temperature above max_temperature switches the torque off.
 //

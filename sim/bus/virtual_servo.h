@@ -29,7 +29,7 @@ class VirtualServo {
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
-    // Time from the end of the byte that caused the answer to the start of the answer.
+    // The answer starts this time after the end of the byte that caused the answer.
     Time delay{};
   };
   // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send an answer now.
@@ -45,7 +45,7 @@ class VirtualServo {
   // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
-  // Writes a register permanently, like a user who sets up the servo for a robot.
+  // Writes a register permanently. A user does this to set up the servo for a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }

@@ -3,8 +3,9 @@
 //
 // The firmware image runs in the emulator under random host traffic and potentiometer voltages. Each tick
 // input of the firmware is also passed to the native build of shared/servo. The outputs and states of the two
-// engines must be equal. In the next tick, the levels of the chip's pins must match the output. The bytes
-// decoded from the waveform at TxD0 must equal the bytes to send in the output.
+// engines must be equal. In the next tick, the levels of the chip's pins must match the output. The output
+// contains the bytes that the chip must send. The bytes decoded from the waveform at TxD0 must equal these
+// bytes.
 #pragma once
 
 #include <cstdint>

@@ -66,7 +66,8 @@ struct WireReport {
   std::int64_t replies = 0, bytes = 0, masked = 0;
   std::int64_t pins_compared = 0;  // number of milliseconds compared
   std::int64_t resets = 0;
-  // Largest delay of one board behind the other: at the first byte of a reply, and at a requested reset.
+  // Largest time difference between the boards: at the first byte of a reply (largest_lag), and at a
+  // requested reset (largest_reset_lag).
   States largest_lag = 0;
   States largest_reset_lag = 0;
   States h8_start = 0;  // time from power-on to the first tick

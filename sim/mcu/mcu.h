@@ -26,7 +26,8 @@ namespace kaz::sim {
 using States = std::int64_t;
 
 // Levels at the chip's output pins. A pin that is an input, or floats during reset, has the level of the
-// board's pull resistor. These resistors pull the multiplexer selects high and all other pins low.
+// board's pull resistor. These resistors pull the select pins of the multiplexers high and all other pins
+// low.
 struct PinLevels {
   std::array<std::uint16_t, 16> pw{};  // PW0..PW15: number of high counts in 256
   std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: number of high counts in 256
@@ -77,8 +78,8 @@ class Mcu {
   virtual void reset() = 0;        // resets by the RES pin; RAM is kept
   virtual void power_cycle() = 0;  // the whole state except flash is lost
 
-  // Sets the mode pins: to boot mode if `boot`, otherwise to execution from flash. The next reset samples
-  // these pins. Engines other than h8 return Fault::usage for boot mode.
+  // Sets the mode pins. If `boot` is true, the pins select boot mode; otherwise the pins select execution
+  // from flash. The next reset samples these pins. Engines other than h8 return Fault::usage for boot mode.
   virtual Result<void> set_boot_pins(bool boot) {
     if (!boot) return {};
     return fail(Fault::usage, "the mcu \"" + name() + "\" has no boot mode; use h8");
@@ -105,9 +106,9 @@ class Mcu {
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
-  // the multiplexer selects at that time. The function must have no side effects, because the engine skips
-  // samples that the program cannot read. The voltage may depend only on the arguments and on values that
-  // change only between runs or in listeners.
+  // the levels of the multiplexers' select pins at that time. The function must have no side effects, because
+  // the engine skips samples that the program cannot read. The voltage may depend only on the arguments and
+  // on values that change only between runs or in listeners.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 

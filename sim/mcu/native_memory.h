@@ -36,7 +36,7 @@ class NativeMemory {
   States over_at() const { return over_at_; }
   // Returns the time that the firmware needs to verify the write and to read the log.
   States read_back_states() const { return read_back_; }
-  // Returns the number of lines in both logs that are not blank.
+  // Returns how many lines of the two logs are not blank.
   int lines() const;
   // Completes the write and reads both logs again. Returns whether flash has the intended contents.
   bool finish();

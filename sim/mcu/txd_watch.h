@@ -1,8 +1,8 @@
 // Observes the edges at the pin TxD0 of the emulated chip and decodes the bytes that the chip sends.
 // SPDX-License-Identifier: Apache-2.0
 //
-// TxdWatch observes the same edges as a recording of the pin (vcd.h). While the pin is not driven, the
-// board's pull-up holds the line at mark.
+// The edges are the same as in a recording of the pin (vcd.h). While the pin is not driven, the board's
+// pull-up holds the line at mark.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Loads the servo firmware as a walking robot does: closed control loops, with targets and queries at 100 Hz.
+// Gives the servo firmware the work of a walking robot: control loops, and targets and queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measurements of the tick's duration and of the emulator's speed use this load. A simple model without
@@ -23,8 +23,8 @@ class WalkingLoad {
   WalkingLoad(const WalkingLoad&) = delete;
   WalkingLoad& operator=(const WalkingLoad&) = delete;
 
-  // Runs the first 600 ms: start-up, motors on at 100 ms, and walking from 110 ms on. Returns the errors of
-  // Mcu::run_until().
+  // Runs the first 600 ms. At 100 ms the motors are switched on, and at 110 ms the robot begins to walk.
+  // Returns the errors of Mcu::run_until().
   Result<void> start();
   // Runs one millisecond. Every 10 ms, the host sends targets for all joints; 7 ms later, the host queries
   // the states of the joints. Returns the errors of Mcu::run_until().

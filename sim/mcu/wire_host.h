@@ -1,12 +1,13 @@
 // A host for random conversations with a board over the serial line. The seed determines the conversation.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The host covers the protocol's grammar. Requests have valid or invalid values, are damaged, arrive in
-// pieces or back to back, address other boards, or have framing errors. Some conversations contain telemetry,
-// stores to flash, resets, the loader, or bytes while the board starts. The board does not serve the line
-// during a store, a reset or the loader. The host sends no other requests together with a request for one of
-// these actions. The exact start of a store, a reset or the loader depends on how long the CPU was busy. The
-// native engine does not model how long the CPU is busy (wire_differences.h).
+// The host sends every kind of request of the protocol. Some requests have invalid values, are damaged, or
+// address other boards. Some requests arrive in pieces, back to back, or with framing errors. In some
+// conversations, the host requests telemetry, a store to flash, a reset, or the loader. In some
+// conversations, the host sends bytes while the board starts. The board does not serve the line during a
+// store, a reset or the loader. The host sends the request for a store, a reset or the loader alone, with a
+// pause before and after the request. The exact start of a store, a reset or the loader depends on how long
+// the CPU was busy. The native engine does not model how long the CPU is busy (wire_differences.h).
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Converts simulated time between states of the board's crystal and nanoseconds.
+// Converts simulated time from states (periods of the board's crystal) to nanoseconds, and back.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -58,9 +58,10 @@ struct MotorFitOptions {
   std::function<void(double share, const std::string& what)> progress;
 };
 
-// Fits the model to the report `measured`. Returns Fault::usage if the report has no motor, no parameter can
-// be determined, or the report's disc and supply are missing or invalid. Also returns Fault::usage if the
-// report has several joints and options.joint is empty. Other errors come from the simulation.
+// Fits the model to the report `measured`. Returns Fault::usage if no parameter of the motor can be
+// determined from the report. Returns Fault::usage if the report contains no motor, or if disc or supply are
+// missing or invalid. Also returns Fault::usage if the report has several joints and options.joint is empty.
+// Other errors come from the simulation.
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options);
 
 }  // namespace kaz::lockstep

@@ -18,8 +18,8 @@ struct WireLoad {
 };
 
 // Switches all joints on and swings each joint by 0.05 rad about the joint's present angle. `byte_time`: time
-// of one byte on the wire. `rate_hz`: cycles per second; 0 sends the next targets as soon as the window has
-// room.
+// of one byte on the wire. `rate_hz`: cycles per second; if the value is 0, the next targets are sent as soon
+// as the window of unanswered requests has room.
 Result<WireLoad> run_wire_load(host::Robot& robot, Time byte_time, double rate_hz, Time duration);
 
 }  // namespace kaz::lockstep

@@ -35,12 +35,12 @@ class Remap {
   Size source() const { return source_; }
 
   std::vector<Columns> all_rows() const;
-  // Returns the range of columns of each source row that is needed to compute the columns `wanted` of the
-  // result. `wanted` has one entry per row of the result.
+  // Returns one range of columns for each row of the source. These columns are needed to compute the columns
+  // `wanted` of the result. `wanted` has one entry per row of the result.
   std::vector<Columns> sources(std::span<const Columns> wanted) const;
 
-  // Computes `columns` of row `v` of the result, in units of 1/64 code, three numbers per column. `out`
-  // points to the numbers of column 0. One number after the last column is also overwritten.
+  // Computes the given columns of row `v` of the result. Each column consists of three numbers in units of
+  // 1/64 code. `out` points to the numbers of column 0. One number after the last column is also overwritten.
   void row(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
            std::uint16_t* out) const;
   // Like row(), but without SIMD. For processors without SIMD and for tests.

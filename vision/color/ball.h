@@ -21,10 +21,10 @@ struct BallOptions {
   double radius_m = 0.020;
   ColorRange color = ColorRange::red_ball();
   int min_area = 12;  // minimum number of pixels; smaller regions are noise
-  // Balls with less confidence are not reported. The default was chosen on test pictures of whole, cut off
-  // and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each threshold, the
-  // missed, wrong and false detections were counted. The default is the highest threshold with a count that
-  // exceeds the lowest count by at most one standard error.
+  // Balls with a confidence below this value are not reported. The default was chosen on test pictures of
+  // whole, cut off and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each
+  // threshold, the missed, wrong and false detections were counted. The default is the highest threshold with
+  // a count that exceeds the lowest count by at most one standard error.
   double min_confidence = 0.68;
 };
 

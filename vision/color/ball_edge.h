@@ -10,7 +10,7 @@
 //
 // Edge model: a disk of radius R is blurred by a Gaussian of standard deviation sigma. At the distance r from
 // the center, the coverage is approximately Phi((p - r) / sigma), where Phi is the cumulative normal
-// distribution. The blur does not change the disk's area, which gives p^2 = R^2 - sigma^2. The fit determines
+// distribution. The blur does not change the disk's area; therefore p^2 = R^2 - sigma^2. The fit determines
 // p, sigma and the center from all pixels along the outline of the cone in the image. Blur is important for
 // small balls: for a radius R of 2.5 px, p is a tenth less than R.
 //

@@ -68,7 +68,7 @@ class BallTrack {
     used,       // used as the newest observation of the track
     late,       // used, but not the newest; all newer observations were processed again
     restarted,  // the ball jumped: two consistent outliers started a new track
-    // Used to start a new track: far older than the newest observation, so the clock was set back.
+    // The clock was set back: the exposure is far earlier than the newest exposure. A new track was started.
     new_clock,
     outlier,  // not used
     refused,  // not used: no ball, not finite, repeated, or older than the history of the track
@@ -83,7 +83,7 @@ class BallTrack {
 
   bool known() const { return !history_.empty(); }
   Time latest() const { return history_.back().time; }  // newest exposure; requires known()
-  // Returns whether the last observation is at most lost_after before `t`.
+  // Returns whether the time from the newest exposure to `t` is at most `lost_after`.
   bool seen(Time t) const { return known() && between(t, latest()) <= options_.lost_after; }
   int gaps() const { return gaps_; }  // number of times that the clock was set back
 

@@ -87,8 +87,9 @@ class DepthFinder {
   DepthFinder& operator=(DepthFinder&&) noexcept;
 
   // Reuses the memory of `depth`; after an error, the contents of `depth` are undefined. Errors:
-  // - a picture that is empty or truncated, is above 8192 pixels wide or high, or is not larger than two
-  //   blocks
+  // - an empty or truncated picture.
+  // - a picture whose width or height is above 8192 pixels.
+  // - a picture whose width or height is at most two blocks.
   // - pictures of different sizes, or of another size than the camera model.
   // - a picture of one uniform color, for example because the lens is covered or there is no light.
   // - a camera model without focal length or baseline.

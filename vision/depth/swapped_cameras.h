@@ -11,8 +11,9 @@ namespace kaz::vision {
 // amounts of depth, as with a repeating pattern.
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
-// Compares the depth of the pair with the depth of the exchanged pair. If pictures are swapped, objects are
-// further right in the right picture, where matching does not search. Computes two small depth images.
+// Compares the depth of the pair with the depth of the exchanged pair. If the pictures are swapped, objects
+// are further right in the right picture than in the left picture. Matching does not search there, and
+// therefore finds less depth in swapped pictures. Computes two small depth images.
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 

@@ -86,7 +86,8 @@ class FlowFinder {
   // Finds the flow from `before` to `after`. Reuses the memory of `flow`; after an error, the contents of
   // `flow` are undefined. Set `continued` if `before` was the picture `after` of the previous call. A gray
   // picture from the previous call can then be reused, which saves time and does not change the flow. Errors:
-  // - a picture that is empty or truncated, or has a side of less than 64 or more than 8192 pixels.
+  // - an empty or truncated picture.
+  // - a picture whose width or height is outside the range of 64 to 8192 pixels.
   // - pictures of different sizes, or of another size than the camera model.
   // - a camera model without focal length, or two different camera models.
   // - an exposure of `after` that is not later than the exposure of `before`, because the clock jumped back

@@ -58,7 +58,8 @@ class FlowProducts {
 
 // Limits of judge_flow_row().
 struct FlowLimits {
-  // error2, step2: squares of the limits, px^2 of the reduced picture.
+  // The members error2 and step2 are the squares of FlowOptions::max_error_px and max_step_px, converted to
+  // px^2 of the reduced picture.
   float max_unlike, error2, step2;
 };
 struct FlowCertaintyRow {

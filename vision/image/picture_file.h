@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A truncated or damaged file is an error. OpenCV's imread is not used, because imread returns part of a
-// damaged picture. In addition, the library of imread loads about a hundred other libraries at every program
-// start.
+// damaged picture. In addition, the library that contains imread loads about a hundred other libraries at
+// every program start.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Refines the edges of the floor's segments to pixel precision by the colors of the picture.
+// Uses the colors of the picture to refine the edges of the floor's segments to pixel precision.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Block matching shifts the edge between a near and a far surface by up to half a block. At the lower edge of
@@ -6,10 +6,10 @@
 // of the border of the floor's segments are therefore undecided. A marker-controlled watershed labels the
 // undecided pixels. Floor and non-floor grow into the undecided band from both sides, first where the color
 // gradient is small. Floor and non-floor meet where the gradient is largest. Sources: F. Meyer, "Color image
-// segmentation", IPA 1992; cv::watershed. A hole in the floor that is less than 2 reach_px wide is closed,
-// unless depth shows an object in the hole. The pixels of an object in a hole become a marker if their height
-// above the floor exceeds the depth error. The pixels must also be farther than 3/4 reach_px from the pixels
-// of the floor.
+// segmentation", IPA 1992; cv::watershed. A hole in the floor that is less than 2 reach_px wide is labeled as
+// floor, unless depth shows an object in the hole. The pixels of an object in a hole become a marker if their
+// height above the floor exceeds the depth error. The pixels must also be farther than 3/4 reach_px from the
+// pixels of the floor.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
 // the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image are labeled as floor.

@@ -27,7 +27,8 @@ struct CellGrid {
   void fill(const DepthImage& depth);
 
  private:
-  std::vector<float> sum_, min_, max_;  // per pixel column, over the rows of a row of cells
+  // For each pixel column: sum, minimum and maximum of the disparities in one row of cells.
+  std::vector<float> sum_, min_, max_;
   std::vector<int> count_;
   std::vector<std::array<float, 3>> known_;
   Cell partly(const DepthImage& depth, int column, int row, float spread);

@@ -90,8 +90,8 @@ class PlaneSegmentFinder {
 
   // Reuses the memory of `found`; after an error, the contents of `found` are undefined. It is not an error
   // if no plane is found. Disparities that are not above 0 or not finite count as unknown. Errors:
-  // - a depth image with a side of less than 32 or more than 8192 pixels, or with data that do not match the
-  //   size.
+  // - a depth image whose width or height is outside the range of 32 to 8192 pixels.
+  // - a depth image whose data do not match its width and height.
   // - a camera model without focal length or baseline.
   // - options out of range.
   Result<void> find(const DepthImage& depth, PlaneSegments& found);

@@ -67,7 +67,8 @@ class MotorOnBench {
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
-  // Drives without sampling, to continue the previous drive.
+  // Starts a drive and returns at once, without sampling. To continue the drive, call this function again
+  // before the drive ends.
   void keep_driving(double duty, double length_s);
   // Returns the response of the control loop to a step of the target. The step begins at rest at `from_rad`.
   Trace step(double from_rad, double to_rad, double length_s);

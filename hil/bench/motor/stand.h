@@ -29,7 +29,7 @@ class Stand {
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
   // Returns the torque with which the motor pressed at the end of the drive that followed prepare_press().
   virtual Result<double> scale_nm(int joint) = 0;
-  // Lays a weight gently on the shaft; torque 0 lifts the weight off.
+  // Loads the shaft gently with this torque, for example with a weight; torque 0 removes the load.
   virtual Result<void> press(int joint, double torque_nm) = 0;
   // Turns the shaft by hand to about this angle and holds the shaft until let_go(). Returns the angle that
   // the protractor shows.

@@ -61,7 +61,7 @@ class ContactModel {
   const std::vector<Part>& robot() const { return robot_; }
   const std::vector<Part>& objects() const { return objects_; }
   const std::vector<Part>& fixed() const { return fixed_; }
-  // Pairs of indices into robot() that may collide.
+  // Pairs of robot parts that can collide, as indices into robot().
   const std::vector<std::pair<std::size_t, std::size_t>>& selves() const { return selves_; }
   // Name of the link to which a shape belongs; for objects "model/link". `shape` is an index into geoms().
   const std::string& name(std::uint32_t shape) const { return names_[shape]; }

@@ -3,7 +3,7 @@
 //
 // Broad phase: each link or object has one bounding sphere. A pair of two spheres, or of a sphere and a
 // plane, is skipped if the distance is too large for a contact. No tree or grid is needed, because a scene
-// has few shapes. The pairs of robot links that may collide are listed in advance. The narrow phase uses
+// has few shapes. The pairs of robot links that can collide are listed in advance. The narrow phase uses
 // ODE's colliders. Two boxes are passed to ODE only if no face normal of either box is a separating axis
 // (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are skipped.
 //

@@ -4,10 +4,10 @@
 //   C_w dT_w/dt = I^2 R - (T_w - T_c) / R_wc
 //   C_c dT_c/dt = (T_w - T_c) / R_wc + friction - (T_c - T_air) / R_ca
 //
-// Source: Hendershot and Miller, "Design of Brushless Permanent-Magnet Motors", on thermal circuits (lumped
-// network). The copper's resistance grows linearly with T_w. The weakening of the magnets by heat is not
-// modeled. Ferrite magnets weaken by about 0.2 %/K, neodymium magnets by 0.1 %/K. Units: J/K, K/W, W, s,
-// degrees Celsius.
+// Source: the text about thermal circuits (lumped networks) in Hendershot and Miller, "Design of Brushless
+// Permanent-Magnet Motors". The copper's resistance grows linearly with T_w. The weakening of the magnets by
+// heat is not modeled. Ferrite magnets weaken by about 0.2 %/K, neodymium magnets by 0.1 %/K. Units: J/K,
+// K/W, W, s, degrees Celsius.
 #pragma once
 
 #include <algorithm>

@@ -93,7 +93,7 @@ class ArticulatedTree {
   // Computes the spatial force transmitted to each link through its parent joint, for a motion with the given
   // velocity and acceleration (recursive Newton-Euler). `forces` has one entry per link. On entry, `forces`
   // contains the external forces without gravity; on return, the joint forces. On return, the entry of the
-  // root is the force at the base that this motion needs.
+  // root is the force that must act on the base to cause this motion.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
                     const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 

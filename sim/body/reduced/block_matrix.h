@@ -113,7 +113,7 @@ class BlockMatrix {
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()
-  // Nonzero if two blocks are coupled, including by fill-in. The row is the number of the later block; the
+  // Nonzero if two blocks are coupled directly or by fill-in. The row is the number of the later block; the
   // column is the number of the earlier block.
   std::vector<char> coupled_;
   std::vector<Range> below_;

@@ -25,7 +25,7 @@ inline double dot_range(const double* a, const double* b, int n) {
   return n == 6 ? dot_six(a, b) : dot(a, b, n);
 }
 
-// Adds the product of `by` and `from` to `to`.
+// Adds `by` * `from` to `to`. The vectors `from` and `to` have the length n.
 inline void add_range(double by, const double* __restrict from, double* __restrict to, int n) {
   if (n == 6) {
     for (int i = 0; i < 6; ++i) to[i] += by * from[i];

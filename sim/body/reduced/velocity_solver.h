@@ -14,13 +14,14 @@
 // Friction uses a cone, not a pyramid. Each contact has a tangential spring in series with the friction. The
 // stretch of this spring is kept from step to step.
 //
-// For fixed radii mu l_n, the left side of the first equation is the gradient of a convex, piecewise smooth
-// function of v. In regions where no contact slips, this function is quadratic. Newton's method with an exact
-// line search converges in few iterations, even if many points share a load. After each iteration the radii
-// are updated from l_n. The result satisfies Coulomb's law and avoids an artifact of convex formulations, in
-// which friction lifts a sliding body. If the radii do not converge in a dozen iterations, Newton's method
-// continues with the radii as functions of v (coupled_newton.cpp). If coupled_newton.cpp does not converge
-// either, the solver increases the friction gradually (friction_path.cpp).
+// If the radii mu l_n of the friction discs are fixed, the left side of the first equation is the gradient of
+// a function of v. This function is convex and piecewise smooth. In regions where no contact slips, this
+// function is quadratic. Newton's method with an exact line search converges in few iterations, even if many
+// points share a load. After each iteration the radii are updated from l_n. The result satisfies Coulomb's
+// law. Unlike in convex formulations, friction does not lift a sliding body. If the radii do not converge in
+// a dozen iterations, Newton's method continues with the radii as functions of v (coupled_newton.cpp). If
+// coupled_newton.cpp does not converge either, the solver increases the friction gradually
+// (friction_path.cpp).
 //
 // All contact points of a pair of bodies act on the same relative motion, which has six components. Therefore
 // the solver first sums the stiffness of the points in a 6 x 6 matrix and then maps this matrix to the
@@ -33,12 +34,12 @@
 // sticking contacts do not creep.
 //
 // Limitations: even hard contacts have a tangential compliance `give`, which is kGive times the mobility of
-// the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by 7 micrometers. Contact points
-// of the same pair of bodies, such as a sole on the floor, share the friction force like parallel springs.
-// The shares are proportional to 1 / give, within the friction discs of the points. If friction and normal
-// force amplify each other without bound (a jamming wedge between almost massless bodies), the solver may
-// find no solution. The number of iterations is bounded, and residual() returns the velocity change in the
-// last iteration.
+// the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by 7 micrometers. If two bodies
+// touch at several points, like a sole and the floor, these points share the friction force like parallel
+// springs. The shares are proportional to 1 / give, within the friction discs of the points. If friction and
+// normal force amplify each other without bound (a jamming wedge between almost massless bodies), the solver
+// may find no solution. The number of iterations is bounded, and residual() returns the velocity change in
+// the last iteration.
 #pragma once
 
 #include <algorithm>

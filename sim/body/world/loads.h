@@ -9,17 +9,17 @@
 
 namespace kaz::sim {
 
-// Sum of the contact forces of floor, objects and walls on one link. Contacts between two links of the robot
-// are not included, and neither are impulses by World::push(). For a base that is fixed in the world, the sum
-// is zero.
+// Sum of the contact forces that floor, objects and walls exert on one link. Contacts between two links of
+// the robot are not included, and neither are impulses by World::push(). For a base that is fixed in the
+// world, the sum is zero.
 struct LinkForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // force in the link's axes, N
   // Moment about the link's origin, in the link's axes, Nm.
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double pressure = 0;  // sum of the normal forces, N; 0: no contact
-  // Center of pressure in the link's frame, m: mean of the contact points, weighted by the normal forces. For
-  // a flat sole on the floor, the center of pressure is the zero moment point (ZMP). The contact moment about
-  // the center of pressure is parallel to the floor's normal.
+  // Center of pressure in the link's frame, m. This point is the mean of the contact points, weighted by the
+  // normal forces. For a flat sole on the floor, the center of pressure is the zero moment point (ZMP). The
+  // contact moment about the center of pressure is parallel to the floor's normal.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 
   // Adds a contact point with the force `push` (N) and the moment `turn` (Nm, about the point `at`). All
@@ -27,7 +27,7 @@ struct LinkForce {
   //
   //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
   //
-  // Before finish() is called, `centre` is the sum of normal times r over the points.
+  // Before finish() is called, `centre` is the sum of the products normal * r of all contact points.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
   // Call once after the last add().
@@ -44,8 +44,8 @@ struct LinkForce {
 };
 
 // Force and moment that the parent link exerts on the child link of a joint, at the child link's origin, in
-// the child link's axes. Bearing, motor and stop are included. Therefore the moment along the joint axis is
-// the joint torque.
+// the child link's axes. The loads of bearing, motor and joint stop are included. Therefore the moment along
+// the joint axis is the joint torque.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

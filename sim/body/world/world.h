@@ -91,8 +91,9 @@ class World {
 
   virtual double step_s() const = 0;
   virtual double time_s() const = 0;
-  // Advances the world by step_s(). `drives` has one entry per joint, in joint order. A joint without an
-  // entry has an open bridge. The function does nothing once diagnostics().failure is set.
+  // Advances the world by step_s(). `drives` has one entry per joint, in joint order. If a joint has no
+  // entry, the H-bridge of the joint's motor is open. The function does nothing once diagnostics().failure is
+  // set.
   virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
   virtual std::span<const JointState> joints() const = 0;
   virtual std::span<const std::string> joint_order() const = 0;  // names, in the order of joints()

@@ -39,9 +39,8 @@ class Adc {
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
   }
-  // Returns true in scan mode. In this mode, the emulator can compute a conversion after the end of the
-  // conversion. The conversion is computed when the program reads a result, or before an output of the chip
-  // changes.
+  // Returns true in scan mode. In this mode, the emulator can postpone the computation of a conversion. The
+  // conversion is computed when the program reads a result, or before an output of the chip changes.
   bool may_wait() const { return scan(); }
   // Processes all events up to the time `to`, or until `ended` is set. Sets `at` to the time of each event.
   void run_events(Machine& m, States to, States& at, const bool& ended);

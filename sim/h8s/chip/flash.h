@@ -39,7 +39,7 @@ class FlashControl {
   // Returns whether a pulse or its setup is active. While busy() is true, a read, fetch or exception is an
   // error.
   bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
-  // Returns the value of a read while plain() is false. `cell` is the stored byte.
+  // Returns the value that a read yields while plain() is false. `cell` is the stored byte.
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
   // Enters error protection: sets FLER and ends the running pulse early. No other pulse begins before a
   // reset.

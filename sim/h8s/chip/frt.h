@@ -34,7 +34,8 @@ class Frt {
   // Output 0 is FTOA, output 1 is FTOB.
   bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
-  // Returns the time of the first match after the last advance() that may change level().
+  // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
+  // ignored.
   States next_change(States epoch, unsigned output) const;
   bool waits_for_input() const {
     return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));

@@ -47,7 +47,7 @@ class Interrupts {
   // Returns the requests to the CPU: two words with one bit for each vector.
   const std::uint64_t* pending() const { return pending_.data(); }
 
-  // Returns whether there is a request to the CPU that bit I of `control` does not mask. With `two_level` the
+  // Returns whether the CPU has a request that is not masked by bit I of `control`. With `two_level` the
   // result is true for any request, because choose() checks the mask bits I and UI.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;

@@ -35,15 +35,16 @@ struct Options {
   // DTC: decision time from the request to the activation, defined like interrupt_decision_states.
   int dtc_decision_states = 3;
   // DTC: number of accesses to the register information in each transfer, and number of internal states in
-  // each activation. The vector read (1 access) and the data accesses are not included. Manuals of other chip
-  // families state J = 6 accesses and M = 3 internal states.
+  // each activation. The vector read (1 access) and the data accesses are not included. In the manuals of
+  // other chip families, J is 6 accesses and M is 3 internal states.
   int dtc_register_accesses = 6;
   int dtc_internal_states = 3;
   // A/D: start delay tD of the first conversion. adc_start_delay_slow applies to CKS = 0 (10..17 states),
   // adc_start_delay_fast to CKS = 1 (6..9 states).
   int adc_start_delay_slow = 17;
   int adc_start_delay_fast = 9;
-  // SCI: true if the transmitter, once enabled, sends mark for one frame before the first character.
+  // SCI: true if an enabled transmitter first outputs the mark level for the duration of one frame, and then
+  // sends the first character.
   bool sci_preamble = true;
   // SCI: true if a frame waits for the next edge of the free-running bit clock, false if a frame begins
   // immediately. While SCK outputs the clock, a frame always waits, because data change at the falling edge
@@ -62,8 +63,8 @@ struct Options {
   std::uint64_t flash_seed = 1;
   // 8-bit PWM: position of a pulse in its slot of 16 counts. True: at the end. False: at the beginning.
   bool pwm_right_aligned = true;
-  // 14-bit PWM: true if the data sets the low time of the pin with OS = 0 and the high time with OS = 1;
-  // false if high time and low time are exchanged.
+  // 14-bit PWM: true if the data is the low time of the pin when bit OS is 0, and the high time when bit OS
+  // is 1. False: the data has the opposite meaning.
   bool pwmx_data_is_low = true;
   // Value read from a write-only, stopped or unmapped register.
   std::uint8_t undefined_read = 0xff;

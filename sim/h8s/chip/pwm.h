@@ -61,8 +61,8 @@ class Pwm {
   unsigned base_count_ = 0;
 };
 
-// Returns the level in count 0..255 of the conversion period for PWDR = `data`. The result does not include
-// the inversion by OS.
+// Returns the level of the pulse while PWDR is `data`. `count` (0..255) is the position in the conversion
+// period. The result does not include the inversion by OS.
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
 
 }  // namespace kaz::h8s

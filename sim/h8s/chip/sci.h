@@ -98,7 +98,7 @@ class Sci {
       frame_, before_, start_, bit_, end_, ticks_, incoming_, rxd_, rxd_driven_, receiving_,
       received_, rsr_, edge_, sample_, sample_ticks_, arrived_, arrives_, burst_);
     a.require(bit_ >= 0 && (sending_ != Sending::frame || frame_.count > 0), "bit to send");
-    // A frame has at most 12 bits of at most 16 clocks.
+    // A frame has at most 12 bits, and each bit lasts at most 16 clocks.
     a.require(received_ >= 0 && received_ <= 12 && sample_ticks_ >= 0 && sample_ticks_ <= 16,
               "received bits");
   }

@@ -19,7 +19,7 @@ struct Timer8 {
   };
 
   std::uint8_t count = 0, tcr = 0, tcora = 0xff, tcorb = 0xff;
-  std::uint8_t tcsr_low = 0;  // bits 4..0 of TCSR; bits 3..0: effect of matches on the output
+  std::uint8_t tcsr_low = 0;  // bits 4..0 of TCSR; bits 3..0 select how matches change the output
   StickyFlags flags;          // CMFB, CMFA, OVF in bits 7..5
   States tick = 0;            // number of clock ticks that `count` includes
   bool level = false;         // output level

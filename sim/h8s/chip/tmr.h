@@ -32,7 +32,8 @@ class Tmr {
   // A timer drives its pin TMO0 or TMO1 while any OS bit is set.
   bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
-  // Returns the time of the first match after the last advance() that may change level().
+  // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
+  // ignored.
   States next_change(const Machine& m, unsigned n) const;
   // Returns the duty cycle 0..1 of the steady waveform.
   double high_share(Machine& m, unsigned n) const;
@@ -49,7 +50,7 @@ class Tmr {
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void step_pair(Machine& m, std::int64_t counts, States at);
-  // Applies the effects of a match A of TMR0 on the A/D converter and on TMR1.
+  // Applies the effects that compare match A of TMR0 has on the A/D converter and on TMR1.
   void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);

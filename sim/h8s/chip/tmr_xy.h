@@ -39,7 +39,8 @@ class TmrXY {
   // TMRX drives TMOX while any OS bit is set.
   bool drives() const { return timer_[x].drives(); }
   bool level() const { return timer_[x].level; }
-  // Returns the time of the first match after the last advance() that may change level().
+  // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
+  // ignored.
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 

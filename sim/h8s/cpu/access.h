@@ -22,7 +22,7 @@ void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
 void slow_store16(Cpu& c, std::uint32_t address, std::uint16_t value);
 // Discards the decoded instructions that may contain the word at `offset` (even, counted from Cpu::ram_at).
 void forget_code(Cpu& c, std::uint32_t offset);
-// Returns whether the stack `address` is in RAM, and raises Fault::stack if the address is outside RAM.
+// Checks whether `address`, which the stack uses, is in RAM. If not, raises Fault::stack and returns false.
 bool check_stack(Cpu& c, std::uint32_t address);
 
 // Read and write a register or a part of a register. `offset` is the register's byte offset in Cpu::er

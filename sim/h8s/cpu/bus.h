@@ -1,4 +1,4 @@
-// Interfaces that the CPU calls and higher layers implement: the chip's bus and the cache of translated code.
+// Interfaces through which the CPU calls the chip's bus and the cache of translated code.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

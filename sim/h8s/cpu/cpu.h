@@ -98,7 +98,7 @@ struct Cpu {
   std::uint8_t* flash = nullptr;
   // Memory at address ram_at; the short window is at a higher offset.
   std::uint8_t* ram = nullptr;
-  std::uint8_t* has_code = nullptr;   // flag for each line of RAM, from ram_at on (see kLine)
+  std::uint8_t* has_code = nullptr;   // flag for each line (kLine) of RAM; line 0 begins at ram_at
   Insn* code = nullptr;               // decoded instructions
   std::uint32_t ram_size = kRamSize;  // 0 while SYSCR.RAME = 0
   std::uint32_t flash_size = kFlashSize;

@@ -13,7 +13,8 @@ namespace kaz::h8s {
 // instruction takes I + J + K + L + M + N states.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
-  std::uint8_t j = 0;  // branch address reads in advanced mode; half as many in normal mode
+  std::uint8_t j =
+      0;  // number of reads of a branch address in advanced mode; half as many in normal mode
   // Stack accesses in advanced mode; half as many in normal mode, unless `k_fixed` is true.
   std::uint8_t k = 0;
   std::uint8_t l = 0;  // byte data accesses
@@ -48,7 +49,7 @@ struct Decoded {
 inline constexpr int kMaxUnits = 5;
 
 // Decodes the instruction at the front of `units`, which has fewer than kMaxUnits elements near the end of
-// memory. `normal`: count states for normal mode.
+// memory. If `normal` is true, the state counts are those of normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
 // Decodes the instruction in memory that belongs to Cpu::code[index], without changing that entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);

@@ -16,7 +16,7 @@ class Coverage final : public Observer {
 
   struct Count {
     std::int64_t executed = 0;
-    std::int64_t taken = 0, passed = 0;  // conditional branches: times taken and not taken
+    std::int64_t taken = 0, passed = 0;  // how often a conditional branch was taken and not taken
     bool branch = false;                 // conditional branch
     std::uint8_t length = 2;             // bytes
   };

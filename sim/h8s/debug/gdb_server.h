@@ -16,20 +16,20 @@ namespace kaz::h8s {
 
 // The `g` packet contains the registers of GDB's h8300s target, 4 bytes each, big-endian:
 // - 0-7: er0..er6, sp.
-// - 8, 9: ccr, pc.
+// - 8 and 9: ccr and pc.
 // - 10, cycles: states since power-on, low 32 bits.
 // - 11: exr.
 // - 12, tick: states since power-on, high 32 bits.
 // - 13, inst: instructions executed.
-// - 14, 15, mach and macl: 0. The CPU does not have these registers, but GDB would stop printing at a missing
-//   register.
+// - 14 and 15, mach and macl: always 0. The CPU does not have these registers, but GDB would stop printing at
+//   a missing register.
 //
 // Registers 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need
 // `set architecture h8300s`.
 //
 // Memory reads have no side effects, not even at I/O registers. Writes go to RAM, and to flash without the
 // programming sequence. GDB can set at most 4,096 breakpoints and watchpoints. Reverse execution uses
-// History, which records the chip from the server's construction on. `chip` must outlive this object.
+// History, which starts to record the chip when the server is constructed. `chip` must outlive this object.
 class GdbServer {
  public:
   explicit GdbServer(Chip& chip, HistoryOptions history = {});

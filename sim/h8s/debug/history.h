@@ -56,7 +56,7 @@ struct HistoryOptions {
   std::size_t records = 2'000'000;
 };
 
-// Records a chip from the construction of this object on. The chip must outlive this object. Run the chip
+// Records a chip, starting when this object is constructed. The chip must outlive this object. Run the chip
 // only through this object, which takes snapshots during the run. Execution before end() is replayed from the
 // record, without a second call of the chip's listeners. An input (such as a poke or a pin level) at a time
 // before end() discards the record after that time. Load, power_on, restore, call and inputs from listeners

@@ -49,8 +49,8 @@ struct ProfileWindow {
   std::uint32_t end = 0;
 };
 
-// Statistics of the windows and the states of each function in the longest window. States in interrupts are
-// included. States in which the CPU sleeps are not included.
+// Statistics of the windows. `functions` contains the states of each function in the longest window. States
+// in interrupts are included. States in which the CPU sleeps are not included.
 struct WorstWindow {
   std::int64_t windows = 0;
   States median = 0, worst = 0, at = 0;  // durations of the windows; start time of the longest

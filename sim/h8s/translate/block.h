@@ -110,7 +110,7 @@ unsigned flags_of_condition(unsigned condition);
 // properties.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
-// Memory region of an access of `size` bytes to an address that is known at translation time.
+// Memory region that an access of `size` bytes uses. The address of the access is known at translation time.
 enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 

@@ -83,8 +83,8 @@ class Eyes {
        Keep keep, std::uint64_t seed = 1);
 
   // Exposes a pair if an exposure is due. Call this function at the end of each step. Exposure n is due at
-  // the end of the step that is nearest to the time n / rate. The function calls `pose` only if an exposure
-  // is due. If an earlier rendering has failed, the function returns the error of that rendering.
+  // the time n / rate, rounded to a whole millisecond (the end of a step). The function calls `pose` only if
+  // an exposure is due. If an earlier rendering has failed, the function returns the error of that rendering.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
   // Removes and returns the next pair that has reached the host by `now`. At most 8 pairs wait. If another
   // pair arrives, the oldest waiting pair is dropped.

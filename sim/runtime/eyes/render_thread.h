@@ -37,8 +37,8 @@ class RenderThread {
 
   // Queues a job. With Drawing::caller, runs the job at once. Call submit() from one thread only.
   void submit(Job job);
-  // Stores the first failure of a job; error() returns this failure. Both functions may be called from any
-  // thread.
+  // Stores the first failure of a job; error() returns this failure. Any thread may call set_error() and
+  // error().
   void set_error(Error error);
   std::optional<Error> error() const;
 

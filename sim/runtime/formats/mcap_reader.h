@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A file may be truncated because the program was killed or the disk was full. A truncated file ends within a
-// top-level record or before the data end record. A truncated file is read up to the end, and `whole` is
+// top-level record, or the Data End record is missing. A truncated file is read up to the end, and `whole` is
 // false. A chunk with a wrong CRC is skipped and counted. Other deviations from the format are errors.
 // Examples of errors are fields beyond the end of the record, nested chunks, impossible record lengths,
 // unknown channels, and times out of range.

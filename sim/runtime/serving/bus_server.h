@@ -19,8 +19,8 @@ namespace kaz::sim {
 
 struct BusServerOptions {
   std::string serial_path;  // symbolic link to the pty; the control socket is serial_path + ".ctl"
-  // Receives messages for the user: the host opened or closed the port or changed the bit rate, or an overrun
-  // occurred. Each message is one line without newline.
+  // Receives messages for the user, such as: the host closed the port; the host changed the bit rate; an
+  // overrun occurred. Each message is one line without newline.
   std::function<void(const std::string&)> report;
 };
 

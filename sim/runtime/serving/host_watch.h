@@ -1,4 +1,4 @@
-// Reports events as text: the host opens or closes the port or is silent; the motors are switched on or off.
+// Reports events as text, such as: the host opens the port; the host is silent; the motors are switched off.
 // SPDX-License-Identifier: Apache-2.0
 //
 // All times are in simulated time.
@@ -25,7 +25,7 @@ class HostWatch {
   void presence(Time now, bool present, long baud);
   // Call this function if the host has sent bytes.
   void bytes_came(Time now);
-  // Call this function if the host has not read `count` bytes from the board.
+  // Call this function if `count` bytes from the board were lost because the host does not read.
   void bytes_lost(std::size_t count);
   // Call this function in each step. `why` states in a few words why the motor drivers are off. If `why` is
   // empty, the reason is unknown.

@@ -14,13 +14,13 @@
 
 namespace kaz::sim {
 
-// All transfers are non-blocking. The port is in raw mode at 115,200 baud until the host changes its
-// settings.
+// All transfers are non-blocking. Initially, the port is in raw mode at 115,200 baud. The host may change
+// these settings of the port.
 class Pty {
  public:
   // Creates `link_path` as a symbolic link to the port. An existing link is replaced if the link's pty no
   // longer exists. If `maker_is_dead` is true, a link to any pty is replaced, because a killed virtual board
-  // has left the link behind. Returns Fault::usage if the path is in use by anything else. Returns
+  // has left the link behind. Returns Fault::usage if any other link or file exists at the path. Returns
   // Fault::environment if no pty is available.
   static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
                                            bool maker_is_dead = false);
@@ -31,8 +31,8 @@ class Pty {
   // Returns the bit rate that the host has set, in baud. Returns 0 if this rate is not in kSerialRates
   // (shared/base/serial_rates.hpp).
   long baud() const;
-  // Returns the bit rate that the host has set, in baud. Unlike baud(), also returns rates for which termios
-  // has no constant (BOTHER).
+  // Returns the bit rate that the host has set, in baud. Unlike baud(), also returns nonstandard rates, which
+  // a host sets with the termios2 flag BOTHER.
   long rate() const;
   // Waits until the host has written bytes, but not longer than `length`. If no host is present, the wait
   // takes `length`. A signal may end the wait early.

@@ -48,8 +48,8 @@ Result<HandAct> parse_hand(std::string_view line, Time now);
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  // Returns the lines that take effect in the step that begins at `start` and in later steps. Called once in
-  // each step that is recorded or tapped.
+  // Returns the lines of all actions that begin in the present step. The step begins at the time `start`.
+  // Called once in each step that is recorded or tapped.
   virtual std::vector<std::string> take(Time start) = 0;
   // Called for a line that had no effect.
   virtual void refused(const std::string& /*line*/, const Error& /*error*/) {}
@@ -57,8 +57,8 @@ class HandSource {
 
 class HandPlayer {
  public:
-  // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move, or if an object
-  // to be released is not held.
+  // Begins an action. Returns Fault::usage if the link or object is unknown, or if it cannot move. Also
+  // returns Fault::usage if the action releases an object that no hand holds.
   Result<void> begin(const HandAct& act, World& world, FaultPlayer& faults);
   // Pulls the held objects toward the hands. Call this function before each step of the world. An object
   // follows the hand like a mass on a critically damped spring. The hand supports the object's weight and

@@ -33,8 +33,8 @@ class Recorder {
 
   enum class Direction { to_board, to_host };
   // Records bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the
-  // serial line; the first line has number 0. Each further line has its own topics, such as /wire/2/to_board
-  // for line 1.
+  // serial line; the first line has number 0. The topics of a further line contain the line number plus 1,
+  // such as /wire/2/to_board for line 1.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
             std::size_t line = 0);
   void pins(States at, const PinLevels& pins);

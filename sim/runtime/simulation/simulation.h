@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Time advances only in step(), by one millisecond. The board first runs to the end of the step. Then the
-// world moves; the board's drive of each motor is averaged over the step. The new joint angles are the inputs
-// of the potentiometers in the next step. If the physics step is shorter than a millisecond, board and world
-// alternate within the millisecond. A physics step may also be longer than a millisecond. The wall clock is
-// never read: the same options and calls give the same recording, byte for byte (docs/explanation/time.md).
+// world moves. Each motor of the world is driven by the average output of the board during the step. The new
+// joint angles are the inputs of the potentiometers in the next step. If the physics step is shorter than a
+// millisecond, board and world alternate within the millisecond. A physics step may also be longer than a
+// millisecond. The wall clock is never read: the same options and calls give the same recording, byte for
+// byte (docs/explanation/time.md).
 #pragma once
 
 #include <cstdint>
@@ -103,8 +104,8 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // Advances by one millisecond. Fails if the chip has stopped, physics or rendering has failed, or the disk
-  // is full. After an error, later calls return the same error.
+  // Advances by one millisecond. Fails if the chip has stopped or the disk is full. Also fails if physics or
+  // rendering has failed. After an error, later calls return the same error.
   Result<void> step();
   const std::optional<Error>& error() const { return error_; }
   // Returns the time at the end of the last step. This time is a whole number of milliseconds.
@@ -162,7 +163,8 @@ class Simulation {
 
   // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
   // generators and time. The recording is not part of the state and continues. save() waits for pictures that
-  // are being rendered. Fails if the simulation has failed, or if a part cannot be saved (test doubles).
+  // are being rendered. Fails if the simulation has failed, or if a part of the simulation, such as a test
+  // double, cannot be saved.
   Result<std::vector<std::uint8_t>> save();
   // Restores a saved state. This simulation then continues exactly like the saved simulation. Both
   // simulations must have the same options and the same build. `blob` may be damaged or hostile: indices,

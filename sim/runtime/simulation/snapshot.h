@@ -22,9 +22,9 @@ class Snapshot {
   static constexpr std::uint32_t version = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
-  // Returns the payload as a view into `blob`. Returns Fault::usage if `blob` is not a saved state, is
-  // damaged or has another version, or if the options in `blob` differ from `facts`. The error message is one
-  // sentence. If an option differs, the message names the option.
+  // Returns the payload as a view into `blob`. Returns Fault::usage if `blob` is not a saved state of this
+  // version, or if `blob` is damaged. Also returns Fault::usage if the options in `blob` differ from `facts`.
+  // The error message is one sentence. If an option differs, the message names the option.
   static Result<std::span<const std::uint8_t>> unpack(std::span<const std::uint8_t> blob,
                                                       const Facts& facts);
 };

@@ -50,8 +50,8 @@ Mesh plane_mesh(double length_x, double length_y);
 // format. Returns Fault::usage if the file is missing or invalid.
 Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale);
 
-// Makes the mesh of a shape. Returns Fault::usage if a length or radius is not positive or a mesh file cannot
-// be read. Meshes from files are the same for both values of `detail`.
+// Makes the mesh of a shape. Returns Fault::usage if a length or radius is not positive, or if a mesh file
+// cannot be read. Meshes from files are the same for both values of `detail`.
 Result<Mesh> make_mesh(const Shape& shape, Detail detail = Detail::fine);
 
 }  // namespace kaz::sim

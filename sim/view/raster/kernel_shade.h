@@ -260,7 +260,8 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
 // Texture coordinates of a primitive in a row of samples, and the differences of these coordinates within
 // blocks of 2 x 2 samples.
 struct TextureRow {
-  Along plane;  // products u w and v w, and w, at column x: `at + by * (x - x0)`
+  // Three functions of the column x, `at + by * (x - x0)`: u w, v w and w.
+  Along plane;
   float x0;
   // Between neighboring columns with depths w and w', u changes by (by_u w - by_w u w) / (w w'). This
   // numerator is the same at all columns of a row. For neighboring rows, the formula is analogous. across_u

@@ -130,8 +130,8 @@ struct Shading {
   float ax, a0, by, b0;
   Three to_key;
   float key_gain, shaded_gain;
-  // Shadow map coordinates (texels, texels, depth 0..65535). `shadow_eye` are the coordinates of the eye. The
-  // other three vectors convert the ray to a sample, as ray0, ray_x and ray_y do for the world frame.
+  // Shadow map coordinates (texels, texels, depth 0..65535). `shadow_eye` contains the coordinates of the
+  // eye. In shadow map coordinates, the ray to the sample (x, y) is shadow0 + shadow_x x + shadow_y y.
   Three shadow_eye, shadow0, shadow_x, shadow_y;
   const ShadowTexels* shadow = nullptr;
   bool soft = false;      // true: soft shadows, and linear interpolation between mip levels

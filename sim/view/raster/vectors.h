@@ -129,8 +129,8 @@ KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return _mm512_movepi32_mask((__m512i)mask);
 }
 // Uses sixteen loads instead of AVX-512's gather instruction. On AMD processors, the gather instruction takes
-// twice as long as the loads (in gather_three(), three times as long). On Intel processors, the gather
-// instruction is slow since a microcode update that prevents data leaks.
+// twice as long as the loads (in gather_three(), three times as long). On Intel processors, a microcode
+// update that prevents data leaks has made the gather instruction slow.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[16];
   store(at, index);

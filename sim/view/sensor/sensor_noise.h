@@ -36,8 +36,8 @@ class NoiseRow {
 
   struct Factors {
     float code = 0;  // factor from units of 1/64 code to codes; includes sqrt(exposure)
-    // Parameters of the noise's variance, which is (shot * code^2 + read) times the variance of the sum of
-    // four random bytes.
+    // Parameters of the noise. The variance of the noise is shot * code^2 + read, multiplied by the variance
+    // of the sum of four random bytes.
     float shot = 0, read = 0;
   };
 
