@@ -268,21 +268,22 @@ void add_instruction_cases(ServoCases cases) {
         level_to(2);
         equal("Status Return Level", servo.value(level), 2);
       });
-  cases.add("instructions.indirect",
-            "A read or write of a register Indirect Data reaches the byte at its indirect address.",
-            "registers", [](ExaminedServo& servo) {
-              const ServoTable& table = servo.table();
-              servo.keep(led(servo));
-              equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);
-              for (const long lit : {1L, 0L}) {
-                servo.write(led(servo), lit);
-                equal("Indirect Data 1", servo.value(table.row("Indirect Data 1")), lit);
-              }
-              const ServoRow& data = table.row("Indirect Data 1");
-              equal("error of a write through the indirect address",
-                    error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
-              equal("LED", servo.value(led(servo)), 1);
-            });
+  cases.add(
+      "instructions.indirect",
+      "Reading or writing Indirect Data 1 accesses the byte at the address in Indirect Address 1.",
+      "registers", [](ExaminedServo& servo) {
+        const ServoTable& table = servo.table();
+        servo.keep(led(servo));
+        equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);
+        for (const long lit : {1L, 0L}) {
+          servo.write(led(servo), lit);
+          equal("Indirect Data 1", servo.value(table.row("Indirect Data 1")), lit);
+        }
+        const ServoRow& data = table.row("Indirect Data 1");
+        equal("error of a write through the indirect address",
+              error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
+        equal("LED", servo.value(led(servo)), 1);
+      });
   add_write_to_all(cases, kDynamixel, profile);
   for (const char* one : {"factory-reset", "reboot", "clear", "backup"})
     cases.add(

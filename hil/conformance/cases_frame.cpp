@@ -313,7 +313,8 @@ void add_counts(Chapter& to) {
       },
       kBench);
   to.add(
-      "idle", "A frame without a byte for 20 ms is dropped and counted.", "FRAME-11",
+      "idle", "An unfinished frame is dropped and counted if no byte arrives for 20 ms.",
+      "FRAME-11",
       [](Board& b) {
         const Reply before = b.statistics();
         std::uint8_t sequence;

@@ -29,8 +29,8 @@ void add_identity_cases(Cases& all) {
            equal("reaction", who["reaction"], KZ_REACTION_LIMP);
          });
   to.add("watchdog-set",
-         "`heartbeat` sets the watchdog's limit and reaction, and 0 keeps the old value. "
-         "`identify` reports both.",
+         "`heartbeat` sets the watchdog's limit and reaction. If a field is 0, its old value is "
+         "kept. `identify` reports the limit and the reaction.",
          "ID-1", [](Board& b) {
            b.watchdog(25, KZ_REACTION_HOLD);
            b.watchdog(0, 0);

@@ -185,7 +185,7 @@ void add_sensors(Chapter& to) {
            check(b.bench().drive(0) == 0,
                  "the motor has power although the potentiometer is disconnected");
          });
-  to.add("pot-of-off-joint", "The potentiometer of a joint that is off causes no shutdown.",
+  to.add("pot-of-off-joint", "A faulty potentiometer causes no shutdown while its joint is off.",
          "SAFE-9", [](Board& b) {
            b.enable(0x2);
            b.bench().set_analog(0, 0);

@@ -56,7 +56,7 @@ void add_timing_cases(Cases& all) {
       },
       kBench);
   to.add(
-      "targets-effect", "Targets take effect in the tick after the tick that received them.",
+      "targets-effect", "Targets take effect one tick after the tick that receives the request.",
       "TIME-3",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(0));

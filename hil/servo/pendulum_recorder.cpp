@@ -143,9 +143,10 @@ class Recorder {
     law_ = *law;
     record_.servo = std::string(servo_.model->name) + ", id " + std::to_string(servo_.id);
     if (KAZ_TRY(read("torque_enable")) != 0)
-      return wrong(Fault::usage,
-                   "has its torque on: end the program that drives it. After a killed run, switch "
-                   "its power off and on, which also restores the servo's gains");
+      return wrong(
+          Fault::usage,
+          "has its torque on: end the program that drives it. If a run of kaz bench pendulum was "
+          "killed, switch the servo's power off and on. This also restores the servo's gains");
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
       return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)

@@ -275,8 +275,8 @@ Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
     best.fit = errors_of(model, best.params, logs);
     if (!std::isfinite(cost) || best.fit.position_rad > 1)
       return fail(Fault::failed,
-                  "no motor model fits these logs: check gain_per_rad, the weight, and that "
-                  "position_rad is 0 while the arm hangs down");
+                  "no motor model fits these logs: check gain_per_rad and the weight, and check "
+                  "that position_rad is 0 while the arm hangs down");
     best.held_out = errors_of(model, best.params, held_out);
     best.fitted = fitter.judged(best.params);
     all.push_back(std::move(best));

@@ -108,7 +108,7 @@ Result<void> table(int maps) {
     options.radius_m = disc;
     int without = 0;
     const auto all = KAZ_TRY(measure(options, maps, &without));
-    std::printf("disc of %.2f m: %d maps, %d of them without a path\n", disc, maps, without);
+    std::printf("disc radius %.2f m: %d maps, %d of them without a path\n", disc, maps, without);
     std::printf(
         "| planner | ms: median | 90 %% | 99 %% | worst "
         "| over the fastest, %%: median | 99 %% | worst | more than %.0f %% | not found |\n",

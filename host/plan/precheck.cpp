@@ -18,7 +18,8 @@ Result<void> check(const Grid& grid, const Pose& start, const Goal& goal, const 
   if (grid.cells_x < 1 || grid.cells_y < 1 || !(grid.cell_m > 0) ||
       grid.state.size() !=
           static_cast<std::size_t>(grid.cells_x) * static_cast<std::size_t>(grid.cells_y))
-    return wrong("the grid must have at least one cell, cells above 0 m, and one state per cell");
+    return wrong(
+        "the grid must have at least one cell, a cell size above 0 m, and one state per cell");
   if (grid.state.size() > kMaxCells) return wrong("the grid has too many cells");
   if (!start.position.allFinite() || !goal.position.allFinite() ||
       !std::isfinite(start.heading_rad) ||
@@ -27,7 +28,8 @@ Result<void> check(const Grid& grid, const Pose& start, const Goal& goal, const 
   if (!(o.turn_s_per_rad > 0) || !(o.go_s_per_m > 0) || !std::isfinite(o.turn_s_per_rad) ||
       !std::isfinite(o.go_s_per_m) || !(o.radius_m >= 0) || !(o.unknown_factor >= 1))
     return wrong(
-        "times must be above 0, the radius at least 0, the factor of unknown floor at least 1");
+        "turn_s_per_rad and go_s_per_m must be above 0, radius_m must be at least 0, and "
+        "unknown_factor must be at least 1");
   return {};
 }
 

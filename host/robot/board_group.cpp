@@ -73,7 +73,7 @@ class BoardGroup::Links final : public Link {
 
  private:
   static Result<void> no_bytes() {
-    return fail(Fault::usage, "several boards have no common line: give the port of one board");
+    return fail(Fault::usage, "this is only possible with one board: give the port of one board");
   }
   BoardGroup& group_;
 };

@@ -215,7 +215,7 @@ TEST(Robot, ReportsMotorsThatWentOff) {
   ASSERT_TRUE(sentence);
   EXPECT_NE(sentence->find(" motors went off: "), std::string::npos) << *sentence;
   EXPECT_NE(fault_sentence(KZ_SHUTDOWN_STOP << 8 | KZ_STATUS_ENABLED)
-                ->find("not all motors confirm that they went off: "),
+                ->find("not all motors confirm that they are off: "),
             std::string::npos);
   EXPECT_NE(sentence->find("no request came for too long"), std::string::npos);
   EXPECT_FALSE(fault_sentence(KZ_STATUS_ENABLED | KZ_STATUS_MOVING));

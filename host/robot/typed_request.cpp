@@ -154,7 +154,7 @@ std::optional<std::string> fault_sentence(std::uint16_t status, const std::strin
   if (reason != KZ_SHUTDOWN_NONE) {
     // On in spite of a shutdown: servos on a bus that do not confirm.
     faults = std::string(status & KZ_STATUS_HOLDING   ? "motors hold"
-                         : status & KZ_STATUS_ENABLED ? "not all motors confirm that they went off"
+                         : status & KZ_STATUS_ENABLED ? "not all motors confirm that they are off"
                                                       : "motors went off") +
              ": " + kz_shutdown_text(reason) + (where.empty() ? "" : " (" + where + ")") + "; " +
              remedy(reason);

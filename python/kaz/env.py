@@ -81,7 +81,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
 except ImportError:
     class _Env:  # type: ignore
-        """The members of Gymnasium's class Env, except the spaces, reset and step."""
+        """Has the members of Gymnasium's class Env, but not `reset`, `step` and the spaces."""
 
         metadata = {"render_modes": []}
         render_mode = None

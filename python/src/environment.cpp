@@ -158,7 +158,8 @@ void add_environment(py::module_& module) {
           [](Robots& robots, int robot, const std::string& model,
              const std::array<double, 3>& change) {
             const Eigen::Vector3d vector(change.data());
-            if (!vector.allFinite()) raise({Fault::usage, "accelerate: the change must be finite"});
+            if (!vector.allFinite())
+              raise({Fault::usage, "accelerate: the change of velocity must be finite"});
             value_of(
                 robots.alone([&](Batch& batch) { return batch.accelerate(robot, model, vector); }));
           },

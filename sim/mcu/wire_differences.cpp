@@ -12,7 +12,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr const char* no_cpu = "no CPU time to measure";
+constexpr const char* no_cpu = "the native board models no CPU time";
 constexpr const char* no_image = "no image";
 
 constexpr WireException exceptions[] = {
@@ -28,33 +28,34 @@ constexpr WireException exceptions[] = {
      "image_crc"},
     {"`self_test_reply.image_crc`", "the image's CRC", "0", no_image, KZ_TYPE_self_test_reply,
      "image_crc"},
-    {"`self_test_reply.start_8states`", "measured", "a constant near it",
+    {"`self_test_reply.start_8states`", "measured", "a constant near the measured value",
      "the image determines the start-up time", KZ_TYPE_self_test_reply, "start_8states"},
     {"a byte that ends 300 to 1,000 states after a tick's due time",
      "received in this tick or the next one", "received in this tick if it ends within 650 states",
-     "the tick reads its receive ring 450 to 850 states after its due time; the comparison sends "
-     "no byte then"},
+     "the tick reads its receive ring between 450 and 850 states after its due time; the "
+     "comparison sends no byte near that time"},
     {"bytes that end 47,600 to 18,000 states before the first tick",
      "each byte delays the start by 65 states, or is lost",
      "received if it ends in the last 46,940 states; no delay",
-     "no CPU time; the comparison sends none then"},
+     "the native board models no CPU time; the comparison sends no bytes in this interval"},
     {"first byte of a reply", "320 to 700 states after its tick", "445 states after its tick",
-     "no CPU time"},
+     no_cpu},
     {"a request that waits for room in the transmit ring",
-     "the tick checks for room up to 1,100 states after its due time",
-     "the tick checks for room 665 states after its due time",
+     "the check for room comes at most 1,100 states after the tick's due time",
+     "the check for room comes 665 states after the tick's due time",
      "if replies are one tick apart, the comparison ends the conversation and counts it as ended "
      "early"},
     {"start of a requested store or reset", "after the computation of its tick",
      "5,900 states after the tick's due time",
      "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
     {"input voltages",
-     "sampled 800 to 7,300 states after a tick's due time; AN4 and AN5 at any time",
-     "same inputs and order, within 200 states",
+     "sampled between 800 and 7,300 states after a tick's due time; AN4 and AN5 are sampled at "
+     "any time",
+     "the same inputs in the same order, within 200 states of `h8`",
      "the comparison changes voltages only at 15,000 states after a tick's due time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
-    {"a byte cut by a reset or a power cut", "its first bits reach the pin", "no bits",
+    {"a byte that a reset or a power cut interrupts", "its first bits reach the pin", "no bits",
      "the comparison drops it"},
 };
 

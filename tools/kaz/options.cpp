@@ -108,8 +108,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinhole cameras without noise; real: cameras with lens, exposure and noise; "
-             "their pictures are rectified; none: no cameras, for behaviors that use no pictures");
+             "ideal: pinhole cameras without noise; real: rectified pictures of cameras with lens "
+             "errors, exposure and noise; none: no cameras, for behaviors that use no pictures");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
       ->check(CLI::IsMember({320, 640}));
@@ -178,7 +178,8 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
-                "also record the eyes' pictures, not only the pictures' SHA-256");
+                "also record the eyes' pictures; otherwise the recording contains only the SHA-256 "
+                "hash of each picture");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,

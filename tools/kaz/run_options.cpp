@@ -74,8 +74,9 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
-                  "vision modules to run in behaviors that use the cameras, separated by commas: " +
-                      module_names() + "; the module color always runs")
+                  "vision modules to run, separated by commas: " + module_names() +
+                      ". Only behaviors that use the cameras run vision modules, and the module "
+                      "color is always one of them")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,

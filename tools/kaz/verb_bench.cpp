@@ -38,8 +38,8 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->excludes(port);
   verb.add_option(
           "--limits", arguments.limits,
-          "JSON file with limits that replace the defaults: edited output of `kaz bench list "
-          "--json`, or for example " +
+          "JSON file with limits that replace the defaults, in the format of `kaz bench list "
+          "--json`, such as " +
               std::string(arguments.motor  ? "{\"stall.torque_10v\": {\"low\": 2.0, \"high\": 2.3}}"
                           : arguments.link ? "{\"link.cycle_rate\": {\"low\": 110}}"
                                            : "{\"tick.median\": {\"high\": 55}}"))
@@ -79,8 +79,8 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
   for (const char* name : {"--motor-file", "--motor"})
     verb.get_option(name)->excludes(verb.get_option("--robot"));
   verb.get_option("--disc")->description(
-      "inertia of the disc on the shaft of the virtual stand or, with --stand manual, of your "
-      "stand");
+      "inertia of the disc on the shaft of the virtual stand, or of your own stand if you give "
+      "--stand manual");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -99,13 +99,13 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
           ? "for the measurements of link and tick: switch the joints on and hold the joints "
-            "still, for a realistic load. For the measurements of motors at a port without a "
-            "stand: let each joint move at full speed through its range"
+            "still, for a realistic load. For motors, if the board is at a port and has no stand: "
+            "let each joint move at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
-            "--allow-motion, the board refuses the targets, but the frames on the line have the "
-            "same length");
+            "--allow-motion, the joints stay off and the board refuses the targets; the length of "
+            "the frames stays the same");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
@@ -157,7 +157,8 @@ void add_servo(CLI::App& bench_verb, Action& action) {
           "logs that are not used in the fit; the model that best predicts these logs is chosen")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
-                   "fit the friction models from M1 to the model with this number (default: 6)")
+                   "number of the last friction model to fit; for example, 4 fits the models M1 to "
+                   "M4 (default: 6)")
       ->check(between(1, 6))
       ->type_name("1..6");
   verb->add_option("--out", arguments->out,
@@ -237,10 +238,12 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->add_flag("--json", arguments->json,
                  "print record.json on standard output, without progress messages");
   verb->footer(
-      "This verb records twelve logs of 6 s in two minutes: four motions, each with three gains. "
+      "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
+      "of 6 s. "
       "Use the logs of the middle gain as held-out logs. During the recording, the D gain, I gain "
-      "and minimum duty are 0; then Kaz restores their values. After Ctrl-C, an exceeded limit or "
-      "a lost servo, Kaz switches the torque off, restores the registers and writes no file.\n"
+      "and minimum duty are 0; then Kaz restores their values. Ctrl-C, an exceeded limit or a lost "
+      "servo ends the recording. Kaz then switches the torque off, restores the registers and "
+      "writes no file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"

@@ -52,7 +52,8 @@ void add_conformance(CLI::App& program, Action& action) {
         arguments->bus =
             protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
       },
-      "check a servo on a bus against the manufacturer's documentation, instead of a board");
+      "instead of a board, check a servo on a bus; the servo must follow its manufacturer's "
+      "documentation");
   bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
   verb->add_option("--id", arguments->id, "id of the servo on the bus")
       ->check(between(0, 253))
@@ -89,7 +90,7 @@ void add_conformance(CLI::App& program, Action& action) {
       ->capture_default_str();
   auto* list =
       verb->add_flag("--list", arguments->list,
-                     "only print the cases, or with --filter the matching cases, and run no case");
+                     "print the cases and run none; with --filter, print only the matching cases");
   for (const char* of_a_run :
        {"--robot", "--virtual", "--image", "--allow-motion", "--allow-flash", "--seed", "--id",
         "--baud", "--allow-eeprom", "--alone", "--release"})
@@ -112,9 +113,10 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->footer(
       "A virtual board passes all cases. At a port, cases that disturb supply, sensors or line are "
       "left out. At the end, also after Ctrl-C, the settings of a board at a port are put back. If "
-      "the run was killed, kaz recover puts the settings back. A case that fails while this "
-      "machine is late runs up to three times more. If the machine is late each time, the case is "
-      "undecided. All cases take a few seconds on a virtual board, one or two minutes at a port, "
+      "the run was killed, kaz recover puts the settings back. If a case fails while this machine "
+      "is late, the case is repeated up to three times. If the machine is late in all these runs, "
+      "the case is undecided. All cases take a few seconds on a virtual board, one or two minutes "
+      "at a port, "
       "and about four minutes with --allow-flash.\n"
       "With --bus, the servo's torque must be off. Unless an option allows more, the cases write "
       "only to RAM and put each value back, and the servo does not move. The cases take half a "

@@ -31,8 +31,8 @@ struct Arguments {
 };
 
 constexpr const char* kExitStatus =
-    "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
-    "episodes were lost (disk, port, process).\n";
+    "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 at "
+    "least one episode was lost (disk, port, process).\n";
 
 // --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
@@ -184,8 +184,8 @@ void add_merge(CLI::App& evaluate, Action& action) {
       "All parts must have the same options, except --shard, --jobs and --out. Episodes of a "
       "missing or interrupted part are listed. result.json then covers the "
       "completed episodes and contains \"interrupted\": true.\n"
-      "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 "
-      "episodes are missing.\n"
+      "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 at "
+      "least one episode is missing.\n"
       "Examples:\n"
       "  kaz evaluate search-ball --episodes 8 --shard 1/2 --out one\n"
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
@@ -316,8 +316,8 @@ void add_evaluate(CLI::App& program, Action& action) {
                  "with --sensors as-built: calibrate each robot's joints before the episode, as "
                  "kaz calibrate joints does");
   verb->add_option("--judge", c.judged_as,
-                   "for a plug-in: name of a built-in behavior; an episode succeeds by the "
-                   "criteria for this behavior. Without --judge, "
+                   "for a plug-in: name of a built-in behavior; its criteria decide which episodes "
+                   "succeed. Without --judge, "
                    "the plug-in's own result counts, and a fall is a failure")
       ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,

@@ -32,8 +32,8 @@ void add_recover(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "file of notes from an interrupted run, which named the file in its message; "
-                   "Kaz also puts back "
+                   "file with notes that an interrupted run left; the message of that run names "
+                   "the file. Kaz also puts back "
                    "the calibration, gains and limits in this file")
       ->type_name("FILE");
   verb->add_flag(

@@ -60,8 +60,9 @@ void add_replay(CLI::App& program, Action& action) {
   verb->add_flag("--json", arguments->replay.json, "print the result as JSON on standard output")
       ->excludes("--view");  // which has no result
   verb->footer(
-      "With --host, behavior, vision and protocol run again, and Kaz compares the bytes that the "
-      "host sends with the recording. Kaz reports the first difference with its time, its place in "
+      "With --host, Kaz runs the behavior, the vision and the protocol again. Kaz then checks "
+      "whether the host sends the same bytes as in the recording. Kaz reports the first difference "
+      "with its time, its place in "
       "the stream and its message. Use --host to test changed host programs with the recorded data "
       "of a virtual robot.\n"
       "--view and --video only show the recording, and run nothing again. --view plays the "

@@ -222,7 +222,7 @@ void add_run(CLI::App& program, Action& action) {
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str(
-      "catch with catch-ball, boxes with navigate, ball with other behaviors");
+      "world catch for catch-ball, world boxes for navigate, world ball for other behaviors");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {

@@ -134,7 +134,8 @@ void add_sim(CLI::App& program, Action& action) {
   auto* stand = verb->add_flag(
       "--stand", arguments->backend.stand,
       "simulate a motor stand instead of a robot, with a disc on the shaft of each motor. Commands "
-      "to the socket PATH.ctl control clamp, scale, weight and supply (for kaz bench)");
+      "to the socket PATH.ctl control the clamp, the scale, the weight and the supply (for kaz "
+      "bench)");
   auto bus = std::make_shared<std::string>();
   verb->add_option("--bus", *bus,
                    "simulate a servo bus instead of a servo board, with the servos that bus.json "

@@ -64,8 +64,8 @@ Result<Outcome> learn(const LearnArguments& arguments) {
     return Outcome(true);
   }
   print_lines(
-      "hue %.3f to %.3f rad, saturation from %.2f, lightness from %.0f: %.1f %% of the "
-      "region, %.2f %% of the rest of the picture\nwritten: %s\n",
+      "hue %.3f to %.3f rad, saturation from %.2f, lightness from %.0f; %.1f %% of the region and "
+      "%.2f %% of the rest of the picture have this color\nwritten: %s\n",
       learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
       learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
   if (!warning.empty()) print_lines("warning: %s\n", warning.c_str());

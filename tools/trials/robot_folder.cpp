@@ -17,7 +17,7 @@ constexpr const char* kOfRobot[] = {"kaz.urdf", "motor.xml", "camera.json", "sen
 Result<std::string> read(const fs::path& path) {
   constexpr std::size_t max_bytes = 16 << 20;
   return read_whole_file(path.string(), max_bytes,
-                         "give the folder of kaz.urdf and its other files");
+                         "give the folder that contains kaz.urdf and the robot's other files");
 }
 
 Result<void> write(const fs::path& path, const std::string& text) {

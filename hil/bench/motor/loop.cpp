@@ -90,7 +90,7 @@ std::complex<double> component(const Trace& trace, double hertz) {
     mean += sample.angle_rad;
     ++count;
   }
-  check(count > 3, "too few readings arrived during a sine");
+  check(count > 3, "too few readings arrived during a sinusoidal motion");
   mean /= count;
   std::complex<double> sum = 0;
   for (const Sample& sample : trace) {
@@ -186,8 +186,9 @@ void measure_frequency(MotorOnBench& motor, BenchJudge& judge) {
        true,
        {{"response over target", Series::Style::line, gain},
         {"-3 dB", Series::Style::dashed, {{kHertz[0], -3}, {kHertz[std::size(kHertz) - 1], -3}}}},
-       "The targets are sines of 0.05 rad, sent every 10 ms, with " + gains_text(motor.gains()) +
-           "."});
+       "The targets follow a sine with an amplitude of 0.05 rad. A target is sent every 10 ms, "
+       "with " +
+           gains_text(motor.gains()) + "."});
   judge.add({"phase",
              motor.name(),
              "Frequency response: phase",

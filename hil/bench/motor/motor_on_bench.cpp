@@ -89,8 +89,8 @@ void MotorOnBench::wait(double length_s) {
 void MotorOnBench::check_potentiometer() {
   const auto details = or_throw(robot_.joints(bit(joint_)));
   check(!details.empty() && (details.front().flags & KZ_JOINT_POT) == 0,
-        "the potentiometer's input is at an end of the converter's range: its wiper is open or "
-        "touches a supply; check its three wires");
+        "the potentiometer's reading is at an end of its range: the wiper is open or touches a "
+        "supply; check the potentiometer's three wires");
 }
 
 double MotorOnBench::potentiometer_code(double angle_rad) {

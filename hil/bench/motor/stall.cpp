@@ -138,8 +138,8 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
           "The voltage is measured at the driver's terminals under load. The torques are corrected "
-          "for the motor's warming. The slope of the line is the torque per volt. At 0 V, the line "
-          "is below zero by the sliding friction."};
+          "for the motor's warming. The slope of the line is the torque per volt. Extended to 0 V, "
+          "the line shows the sliding friction as a negative torque."};
 }
 
 // Presses to both sides, then a rest of kRest. None where somebody has to press.

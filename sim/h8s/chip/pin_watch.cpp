@@ -169,7 +169,8 @@ void PinWatch::sample(Machine& m, States at) {
   while (report_once(m, at) && ++rounds < kMaxRounds) {
   }
   reporting_ = false;
-  if (rounds == kMaxRounds) m.misuse(0, "the pins oscillate without delay");
+  if (rounds == kMaxRounds)
+    m.misuse(0, "the pins do not settle: each change immediately causes another change");
   sampled_ = at;
 }
 

@@ -202,7 +202,7 @@ class VcdRecorder::Impl : public Observer {
     const bool good = to_->good();
     to_ = nullptr;
     if (temporary_.empty()) {
-      if (!good) return fail("writing the recording failed: its stream reports an error");
+      if (!good) return fail("the recording cannot be written: its stream reports an error");
       return {};
     }
     file_.close();

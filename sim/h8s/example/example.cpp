@@ -25,7 +25,7 @@ int main() {
       std::printf("P3 = %02x at state %lld\n", p3.level, static_cast<long long>(change.at));
   });
   chip.on_transmit([](int, const h8s::TransmittedByte& byte) {
-    std::printf("sent '%c', %lld states on the wire\n", byte.value,
+    std::printf("sent '%c' in %lld states\n", byte.value,
                 static_cast<long long>(byte.end - byte.start));
   });
   const h8s::Stop stop = chip.run_until(100'000);

@@ -34,12 +34,13 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
     return {{"ok", true},
             {"commands",
              {{"help", "this list"},
-              {"power on|off", "switch the supply of all servos; off clears the servos' RAM"},
+              {"power on|off",
+               "switch the supply of all servos on or off; \"power off\" clears the servos' RAM"},
               {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
               {"damage SHARE", "set the share of bytes with one wrong bit, 0 to 1"},
               {"turn JOINT DEGREES",
-               "turn a joint by hand to this angle; its torque must be off; \"turn off\" lets go "
-               "of all joints"},
+               "turn a joint by hand to this angle; its torque must be off; \"turn off\" releases "
+               "all joints"},
               {"status", "print the time, the host, lost bytes and the state of each servo"}}}};
   if (command == "power") {
     if (argument != "on" && argument != "off")

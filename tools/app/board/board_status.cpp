@@ -100,8 +100,8 @@ void print(const Json& now, const std::string& fault) {
                   ? "from flash"
                   : "not stored, so the values are nominal unless a host has set other values");
   print_lines(
-      "link: %d frames received, %d requests refused, %d damaged frames; reaction to %d ms without "
-      "a request: %s\n",
+      "link: %d frames received, %d requests refused, %d damaged frames; after %d ms without a "
+      "request: %s\n",
       now["frames"].get<int>(), now["refusals"].get<int>(), now["damaged_frames"].get<int>(),
       now["watchdog_ms"].get<int>(), now["reaction"].get<std::string>().c_str());
   std::printf("ticks missed: %d\n", now["missed_ticks"].get<int>());

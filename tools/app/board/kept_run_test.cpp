@@ -396,7 +396,7 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   auto sentences = earlier_notes("test-port", folder_);
   ASSERT_EQ(sentences.size(), 1u);
   EXPECT_NE(sentences[0].find("`kaz recover --robot serial:test-port --from " + path +
-                              "` puts the board back"),
+                              "` restores the board"),
             std::string::npos)
       << sentences[0];
   // The newest first, whatever its number.

@@ -79,9 +79,10 @@ void print(const Recovered& result, const std::string& port) {
   for (const std::string& one : result.notes) std::printf("note: %s\n", one.c_str());
   for (const std::string& one : result.left) std::printf("not put back: %s\n", one.c_str());
   if (result.left.empty())
-    std::printf("reset; now at address %d, motors off%s%s\n", result.address,
-                shutdown(result.status).empty() ? ", no shutdown is latched" : ", still shut down: ",
-                shutdown(result.status).c_str());
+    std::printf(
+        "reset; now at address %d, motors off%s%s\n", result.address,
+        shutdown(result.status).empty() ? ", no shutdown is latched" : ", still shut down: ",
+        shutdown(result.status).c_str());
   if (result.left.empty() && result.shared_line)
     std::printf(
         "the board is set to share its line and therefore refuses telemetry; if the board is alone "
@@ -128,10 +129,10 @@ void remove_notes(const std::string& path) {
                                    error))
     return;
   if (!std::filesystem::remove(path, error) && error)
-    std::fprintf(
-        stderr,
-        "kaz recover: the notes are no longer needed, but cannot be removed (%s): remove %s\n",
-        error.message().c_str(), path.c_str());
+    std::fprintf(stderr,
+                 "kaz recover: the notes are no longer needed, but cannot be removed (%s): remove "
+                 "%s yourself\n",
+                 error.message().c_str(), path.c_str());
 }
 
 }  // namespace

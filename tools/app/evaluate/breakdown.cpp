@@ -244,8 +244,8 @@ std::string breakdown_text(const Json& breakdown) {
     }
   }
   text +=
-      "  off goal: distance to the goal by ground truth; time/least: walking time over the "
-      "shortest possible time;\n"
+      "  off goal: distance to the goal by ground truth; time/least: walking time divided "
+      "by the shortest possible time;\n"
       "  both columns: median and maximum of the episodes that reached the goal\n";
   if (const auto moving = breakdown.find("moving"); moving != breakdown.end()) {
     std::snprintf(line, sizeof line,
@@ -280,9 +280,10 @@ std::string evaluation_page(const Json& result, const Episodes& episodes) {
     if (!breakdown.contains(name)) continue;
     page +=
         "<h2>By " + std::string(name) + "</h2>\n<table>" +
-        hil::table_row({name, "reached", "95 % interval", "off goal, mm: median, max",
-                        "walking time over the shortest possible time: median, max", "failures"},
-                       "th");
+        hil::table_row(
+            {name, "reached", "95 % interval", "distance from the goal, mm: median and maximum",
+             "walking time divided by the shortest possible time: median and maximum", "failures"},
+            "th");
     for (const auto& [its, group] : breakdown[name].items())
       page +=
           hil::table_row({its, reached(group), percent(group), spread(group, "off_goal_m", 1e3, 0),

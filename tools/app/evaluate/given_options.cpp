@@ -46,7 +46,7 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
     return "is only valid in worlds with clutter: add one of " + names(has_clutter) +
            " to --worlds, or leave the option out";
   if (option == "--goal-distance" && !drawn && !ball)
-    return "draws the goal, but --set goal=" + goal->second +
+    return "chooses a random goal, but --set goal=" + goal->second +
            " fixes the goal: leave out one of the two options";
   if (option == "--goal-distance" && ball && all_at_ball)
     return "has no effect, because the goal is the ball: use --ball-distance";

@@ -55,8 +55,8 @@ TEST(GivenOptions, ObstaclesAreOfWorldsWithClutter) {
 TEST(GivenOptions, DistancesAreOfWhatIsDrawn) {
   EXPECT_EQ(refused("--goal-distance", {clutter}), "");
   EXPECT_EQ(refused("--goal-distance", {clutter}, "1,0.2"),
-            "--goal-distance draws the goal, but --set goal=1,0.2 fixes the goal: leave out one of "
-            "the two options");
+            "--goal-distance chooses a random goal, but --set goal=1,0.2 fixes the goal: leave out "
+            "one of the two options");
   EXPECT_NE(refused("--goal-distance", {clutter}, "ball"), "");
   EXPECT_NE(refused("--goal-distance", {two_balls}), "");
   EXPECT_EQ(refused("--goal-distance", {two_balls, clutter}), "");

@@ -126,7 +126,7 @@ Result<DrawnFigure> draw_map_and_path(const RunCollector& run) {
   constexpr double kRow_px = 5 * 244 + 4 * 14;  // five pictures of 4 : 3 and the gaps between them
   constexpr double kAhead = 1.2, kAside = 0.8, kGrid = 0.1;  // m
   if (run.look_around().empty())
-    return fail(Fault::failed, "figure 6: the run has no picture from looking around");
+    return fail(Fault::failed, "figure 6: the robot took no picture while it looked around");
   if (!run.plan()) return fail(Fault::failed, "figure 6: the run has no planned path");
   const PlanView& plan = *run.plan();
   std::vector<figure::Panel> views, floors;

@@ -20,10 +20,11 @@ struct PaperFigure {
 
 constexpr PaperFigure kPaperFigures[] = {
     {3, "Simulation environment for vision based behavior",
-     "A red ball falls in front of the robot: the simulator and its view, color extraction, depth "
-     "by block matching, optical flow.",
-     "All views show the frame in which the ball moves most, preferably downward. Frames without "
-     "ball, depth or flow are not used. The outside view shows the robot at the exposure."},
+     "A red ball falls in front of the robot. The panels show the simulator and its view, color "
+     "extraction, depth by block matching, and optical flow.",
+     "All views show the frame with the largest motion of the ball; downward motion counts twice. "
+     "Frames without ball, depth or flow are not used. The outside view shows the robot at the "
+     "exposure."},
     {5, "Experimental setup: task of the robot is to approach the ball and catch it",
      "The robot, obstacles, and the ball behind them.",
      "The world before the robot moves, from its right and from above."},
@@ -31,9 +32,9 @@ constexpr PaperFigure kPaperFigures[] = {
      "(A) planes (red) in pictures from looking around; (B) the floor of each picture in foot "
      "coordinates; (C) the merged map, brighter where the floor is more certain; (D) the planned "
      "path.",
-     "The same panels for one walk. In (B) to (D) the robot is at the bottom center and forward is "
-     "up. Floor is white, obstacles are black, unseen cells are gray. The path was planned on this "
-     "map."},
+     "Panels (A) to (D) are from one walk of the virtual robot. In (B) to (D) the robot is at the "
+     "bottom center and forward is up. Floor is white, obstacles are black, unseen cells are "
+     "gray. The path was planned on this map."},
     {7, "Frame information messaging in visual processing modules",
      "Each module passes on the posture that the robot had at the exposure, because the head has "
      "moved "

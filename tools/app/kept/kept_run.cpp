@@ -141,9 +141,9 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
     const std::string then = sentences.empty() ? "" : "after that: ";
     sentences.push_back(
         kept ? then + kept->verb + " on " + port +
-                   " was ended before it could put the board back: `kaz recover " +
+                   " was ended before it could restore the board: `kaz recover " +
                    host::robot_option(port) + " --from " + path +
-                   "` puts the board back; to keep the board as it is, remove these notes"
+                   "` restores the board; to keep the board as it is, remove these notes"
              : then + "the notes of a run that did not restore the board on " + port +
                    " are not valid: " + kept.error().message + ": `kaz recover " +
                    host::robot_option(port) +

@@ -100,8 +100,7 @@ Result<std::vector<std::string>> Snapshots::write(const OutputFolder& folder) co
     std::snprintf(when, sizeof when, "%s%s%.1f s", moment.shown.c_str(),
                   moment.shown.empty() ? "" : ", ", seconds(moment.time));
     if (moment.found)
-      std::snprintf(caption, sizeof caption, "left eye: %.2f m by the ball's size",
-                    moment.distance_m);
+      std::snprintf(caption, sizeof caption, "left eye: ball %.2f m away", moment.distance_m);
     if (moment.outside.width > 0) panels.push_back({moment.outside, when});
     panels.push_back({moment.left, caption});
     panels.push_back({moment.extraction, "color extraction"});

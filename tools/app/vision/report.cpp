@@ -215,7 +215,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           if (folder_ != nullptr) {
             const double longest = std::max(2.0, e.json["flow"].value("p95_px", 0.0));
             char caption[64];
-            std::snprintf(caption, sizeof caption, "flow: color is direction, full at %.0f px",
+            std::snprintf(caption, sizeof caption, "flow: hue is direction; full color at %.0f px",
                           longest);
             e.panels.push_back({figure::flow_picture(*flow, longest), caption});
           }

@@ -27,7 +27,7 @@ vision::Image part_of(const map::LocalMap& map, const std::vector<EdgePoint>& ed
 vision::Image panels(const Sweep& sweep) {
   const figure::Panel shown[] = {
       {sweep.eye, "left eye, rectified; the head turns at 60\u00b0/s"},
-      {part_of(sweep.with, sweep.edges), "posture of the exposure: floor green, obstacles red"},
+      {part_of(sweep.with, sweep.edges), "posture at the exposure: floor green, obstacles red"},
       {part_of(sweep.without, sweep.edges), "posture when the result arrives, 0.3 s later"}};
   return figure::compose(shown, 3, 250);
 }
@@ -38,10 +38,10 @@ plot::PlotPage plots(const Sweep& sweep) {
   const auto line = [](const char* label, plot::Color color) {
     return Series{label, color, {}, {}};
   };
-  Series then = line("at the exposure: frame information", figure::kBlue);
+  Series then = line("at the exposure (frame information)", figure::kBlue);
   Series now = line("when the result arrives", figure::kRed);
   Series share = line("", figure::kGreen);
-  Series with = line("posture of the exposure", figure::kBlue);
+  Series with = line("posture at the exposure", figure::kBlue);
   Series without = line("posture when the result arrives", figure::kRed);
   const double cell_m2 = sweep.with.options().cell_m * sweep.with.options().cell_m;
   for (const SweptPicture& picture : sweep.swept) {
