@@ -137,7 +137,8 @@ void add_bus(CLI::App& program, Action& action) {
   scan->add_option("--ids", *ids, "id or range of ids to try (default: 0-252)")
       ->check(ids_of(options))
       ->type_name("N-N");
-  scan->add_option("--readings", options->readings, "number of readings of each servo found")
+  scan->add_option("--readings", options->readings,
+                   "number of readings for each servo that is found")
       ->check(between(1, 10000))
       ->capture_default_str()
       ->type_name("N");

@@ -138,8 +138,8 @@ void add_sim(CLI::App& program, Action& action) {
       "bench)");
   auto bus = std::make_shared<std::string>();
   verb->add_option("--bus", *bus,
-                   "simulate a servo bus instead of a servo board, with the servos that bus.json "
-                   "lists in the folder of --robot-file (docs/howto/own-arm.md)")
+                   "simulate a servo bus instead of a servo board; the file bus.json beside "
+                   "--robot-file lists the servos (docs/howto/own-arm.md)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);

@@ -45,8 +45,8 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
 
 // Returns the text of a motor file that contains only this motor, as the default motor. `about` is a
 // description of the origin of the numbers; the text contains this description as a comment.
-// When load_motor_file() reads this text, the numbers are the same. Only the last bits of the backlash can
-// change by rounding.
+// When load_motor_file() reads this text, it returns the same numbers. Only the backlash may differ, by a
+// rounding error.
 std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

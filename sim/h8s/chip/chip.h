@@ -290,9 +290,9 @@ class Chip {
   // N, Z, V and C in registers().ccr may come from any earlier instruction. ER0 to ER7, I, UI, now() and PC
   // (the address of the instruction that causes the call) are valid. All flags are valid between instructions
   // (call_at, code hooks) and while an observer is attached. With the engines `reference` and `interpreter`
-  // all flags are valid in every call, because a store instruction has set the flags before the call. With
-  // any engine, the result of instructions() can lack the instructions since the last event. These limits
-  // also apply in the callbacks of on_output, on_transmit and set_analog.
+  // all flags are valid in every call, because a store instruction has set the flags before the call.
+  // The count from instructions() may exclude the instructions since the last event. These limits also apply
+  // in the callbacks of on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
   // Calls the function `call` once, at the time `at` and between two instructions. The argument of the call

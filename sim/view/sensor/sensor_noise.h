@@ -23,7 +23,7 @@ class NoiseRow {
  public:
   explicit NoiseRow(const NoiseLaw& law);
 
-  // The range of a row's values with the indices first .. end - 1.
+  // Part of a row: the values from index `first` up to, but not including, index `end`.
   struct Range {
     std::size_t first = 0, end = 0;
   };
