@@ -13,8 +13,8 @@ struct LinkBenchOptions {
   // Duration of the control cycles, which are sent as fast as the link allows.
   Time cycle_time = std::chrono::seconds(5);
   Time stream_time = std::chrono::seconds(10);  // time with telemetry every 10 ms
-  // Whether to switch the joints on, held in place. If false, no motor is on, and the board refuses the
-  // targets of the cycles. A refusal takes as many bytes as an acknowledgment.
+  // Whether to switch the joints on and hold them in place. If false, no motor is on, and the board refuses
+  // the targets of the cycles. A refusal takes as many bytes as an acknowledgment.
   bool allow_motion = false;
   std::uint64_t seed = 1;  // seed of the random pauses between round trips
   BenchProgress progress;

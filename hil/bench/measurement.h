@@ -38,10 +38,11 @@ struct Measurement {
   const MeasurementInfo* of = nullptr;
   std::string subject;  // name of a joint, "link" or "board"
   Verdict verdict = Verdict::left_out;
-  double value = 0;          // value in the unit of->unit; NaN if nothing could be measured
-  double error = 0;          // standard error of the value; 0: unknown
+  double value = 0;  // value in the unit of the measurement; NaN if nothing could be measured
+  double error = 0;  // standard error of the value; 0: unknown
   double low = 0, high = 0;  // applied limits
-  // Reason why the measurement failed, was left out or is undecided. Otherwise a note, or empty.
+  // Reason why the measurement failed, was left out or is undecided. If the measurement passed, the message
+  // is a note or empty.
   std::string message;
   // Cause of an undecided verdict. parse_bench_json() does not set this member.
   enum class Doubt { none, machine, line, motor } doubt = Doubt::none;
@@ -76,11 +77,11 @@ struct BenchReport {
   std::string board;
   std::string port;     // name of the port, such as "/dev/ttyUSB0" or "virtual board (h8)"
   std::string program;  // program and version, such as "kaz 0.1.0"
-  // Seed of emulated board and stand; nullopt for a board at a port.
+  // Seed of the emulated board and the emulated stand; nullopt if the board is at a port.
   std::optional<std::uint64_t> seed = {};
   Provenance from = {};  // not set by parse_bench_json()
-  // Conditions of the bench that `bench fit` uses, such as the disc on the shaft and the supply. Each
-  // condition has a name with unit, and a value.
+  // Conditions of the bench, such as the disc on the shaft and the supply. The command `kaz bench fit` uses
+  // these conditions. Each condition has a name with unit, and a value.
   std::vector<std::pair<std::string, double>> conditions;
   std::vector<Measurement> measurements;
   std::vector<Plot> plots;
@@ -89,7 +90,7 @@ struct BenchReport {
   std::string signal;       // signal that ended the bench, such as "SIGINT"
 
   int count(Verdict verdict) const;
-  // Returns whether any measurement is undecided for this reason.
+  // Returns whether any measurement is undecided for the reason `doubt`.
   bool doubts(Measurement::Doubt doubt) const;
 };
 
@@ -130,8 +131,9 @@ class BenchJudge {
   // program at the other end no longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
-  // Makes all failed measurements with index `first` or higher undecided, and appends "; but " and `why` to
-  // their messages.
+  // Makes all failed measurements with index `first` or higher undecided. With Doubt::line, this applies only
+  // to measurements that a bad line can distort. Appends "; but " and then `why` to the message of each such
+  // measurement.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
   // States that true values may exceed the entered values by a factor of up to `factor`, which is at least 1.
   // This applies to all measurements with index `first` or higher. A measurement becomes undecided if this

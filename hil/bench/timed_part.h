@@ -16,7 +16,8 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
                         Time at_least = Time::zero(),
                         const BenchJudge::LineTrouble& line_trouble = nullptr);
 
-// Returns the name of a run in progress messages: "late machine or bad line, again: round trips".
+// Returns a text for progress messages. For the first run, the text is `what`. For a repetition, the text
+// begins with the reason: "repeated because this machine was late or the line was bad: round trips".
 std::string run_text(const std::string& what, int run);
 
 }  // namespace kaz::hil

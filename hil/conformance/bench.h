@@ -1,8 +1,8 @@
 // Interface to the surroundings of a board: supply, sensors, line errors, power.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A virtual board has a bench; a real board on a desk usually has no bench. Cases that need a bench state
-// this need. Without a bench, these cases are reported as left out.
+// A virtual board has a bench; a real board on a desk usually has no bench. A case that needs a bench
+// declares this requirement. Without a bench, these cases are reported as left out.
 #pragma once
 
 #include <cstdint>

@@ -62,7 +62,7 @@ class Board {
 
   // ---- Frames
   std::uint8_t new_sequence() { return ++sequence_; }
-  // Returns the frame of a request with a new or the given sequence number.
+  // Returns the frame of a request. If no sequence number is given, the frame has a new sequence number.
   Bytes request_bytes(std::string_view name, const Bytes& fields = {});
   Bytes request_bytes(std::string_view name, const Bytes& fields, std::uint8_t sequence) const;
   // Returns the next frame that is not telemetry. The frame's type, sequence number and address must match.

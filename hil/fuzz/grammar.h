@@ -22,10 +22,11 @@ using Genome = std::vector<std::uint8_t>;
 struct Event {
   enum class Kind { send, wait, query, fault };
   Kind kind = Kind::wait;
-  std::vector<std::uint8_t> bytes;  // for send and query: bytes on the wire
-  int ms = 0;                       // for wait: duration
-  faults::Fault fault;              // for fault: the fault; Fault::at is the time since the event
-  std::string text;                 // description, one line
+  std::vector<std::uint8_t> bytes;  // bytes on the wire, for the kinds `send` and `query`
+  int ms = 0;                       // duration of an event of the kind `wait`
+  // For an event of the kind `fault`. Fault::at is the time since the event.
+  faults::Fault fault;
+  std::string text;  // description, one line
 };
 
 struct GrammarOptions {

@@ -33,8 +33,8 @@ struct RunnerOptions {
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // board address
-  // If the case ends with an error, the statistics of the case are stored here, without a violation. May be
-  // null.
+  // If the case ends with an error, the statistics of the case are stored here. The stored Verdict has no
+  // violation. May be null.
   Verdict* broken_off = nullptr;
 };
 

@@ -12,8 +12,8 @@ namespace kaz::hil {
 std::string fixed(double value, int digits);
 std::string joined(const std::vector<std::string>& lines, const char* between);
 
-// Returns the page up to <body>. The page is self-contained: the page has no script and fetches nothing.
-// `more_style` is additional CSS for this page.
+// Returns the beginning of the page, up to and including the start tag of the body. The page is
+// self-contained: the page has no script and fetches nothing. `more_style` is additional CSS for this page.
 std::string page_head(const std::string& title, const std::string& more_style = {});
 inline constexpr const char* kPageEnd = "</body></html>\n";
 

@@ -23,7 +23,8 @@ nlohmann::ordered_json provenance_json(const Provenance& from);
 // Returns names and values for properties of JUnit XML. The result is empty if there is no date; reports of
 // tests have no date.
 std::vector<std::pair<std::string, std::string>> provenance_properties(const Provenance& from);
-// Returns HTML for the facts of a page, beginning with <br>; empty if there is no date.
+// Returns HTML for the facts of a page. The HTML begins with a line break. The result is empty if there is no
+// date.
 std::string provenance_html(const Provenance& from);
 
 }  // namespace kaz::hil

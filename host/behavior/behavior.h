@@ -25,7 +25,7 @@
 
 namespace kaz::behavior {
 
-// Source of requests from outside to a running behavior.
+// Delivers requests that come from outside to a running behavior.
 class Requests {
  public:
   virtual ~Requests() = default;

@@ -3,8 +3,8 @@
 //
 // A plug-in is a shared object with one behavior, built outside of Kaz's tree (docs/howto/own-behavior.md).
 // The source of a plug-in defines a `const Behavior` and ends with KAZ_BEHAVIOR_PLUGIN(behavior). A plug-in
-// links no Kaz library: the program `kaz` exports the functions declared in host/, vision/ and shared/
-// (tools/kaz/exports.txt).
+// links no Kaz library, because the program `kaz` exports the functions that a plug-in needs. The file
+// tools/kaz/exports.txt lists the exported namespaces.
 #pragma once
 
 #include <string>
@@ -60,12 +60,11 @@ bool names_plugin(std::string_view name);
 // Loads the shared object, which stays loaded until the program ends. Loading runs code of the file: never
 // pass a path that comes from data.
 //
-// Errors (usage), each one sentence with `path`:
+// Errors (usage). Each message is one sentence and contains `path`. Causes:
 // - The file does not exist or is not a shared object for this machine.
 // - The file needs symbols that the program lacks, exports no plug-in function, or was built against another
 //   version of Kaz.
 // - The behavior is not valid, or a behavior of Kaz has the same name.
-//
 // - The file's exported function throws an exception. An exception in a static initializer ends the program.
 Result<Behavior> load_behavior(const std::string& path);
 

@@ -22,8 +22,8 @@ class BusExchange {
  public:
   using Packet = typename Wire::Packet;
   using Answer = std::optional<Packet>;
-  // Timeout of an answer. An adapter without low latency delays answers; the timeout is longer than this
-  // delay.
+  // Timeout of an answer. The timeout is longer than the delay that an adapter causes if its low-latency mode
+  // is off.
   static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
   // Maximum number of transmissions of a request in query().
   static constexpr int kTries = 2;

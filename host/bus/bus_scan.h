@@ -33,7 +33,7 @@ struct ScannedServo {
 struct ScanOptions {
   int first_id = 0, last_id = 252;
   int readings = 20;  // number of readings of each servo that is found
-  Time within{};      // timeout of an answer, without the transmission time; 0: 8 ms
+  Time within{};      // timeout of an answer, without the transmission time; 0 selects 8 ms
   // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
   // Measures delays of this process at the scan's link and clock, in real time. May be null.

@@ -66,9 +66,9 @@ inline constexpr double kRangeMargin = 40;
 double range_share(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                    const RangeSweep& sweep);
 
-// Plans registers and zero. The middle of the swept range becomes the middle of the range from lower_rad to
-// upper_rad, which is from the robot file. Sets RangePlan::fault if the widths of both ranges differ by more
-// than 10 % and more than 10 degrees.
+// Plans registers and zero. `lower_rad` and `upper_rad` are the ends of the joint's range in the robot file.
+// The middle of the swept range becomes the middle of the range in the robot file. Sets RangePlan::fault if
+// the widths of both ranges differ by more than 10 % and more than 10 degrees.
 RangePlan plan_range(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                      const RangeRegisters& now, const RangeSweep& sweep);
 

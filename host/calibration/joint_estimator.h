@@ -3,11 +3,11 @@
 //
 // The unknowns are the terms of each potentiometer (pot_model.h), and additional unknowns of the caller, such
 // as the zero of an accelerometer. Before any measurement, each unknown is normally distributed about zero.
-// An equation
-//   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise,  noise with standard deviation sigma
-// is linear in the unknowns. The estimate is the mean of the posterior (Bayesian linear regression, Bishop
-// 2006, 3.3). So an unknown that no equation determines keeps its prior mean. The uncertainty of this unknown
-// is part of the expected errors.
+// Each equation is linear in the unknowns, and its noise has the standard deviation sigma:
+//   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise
+// The estimate is the mean of the posterior (Bayesian linear regression, Bishop 2006, section 3.3). So an
+// unknown that no equation determines keeps its prior mean. The uncertainty of this unknown is part of the
+// expected errors.
 //
 // The board stores a line for each joint: the line with the least mean square error over the joint's range.
 // The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining

@@ -47,7 +47,7 @@ using OnReading = std::function<void(double share, const std::string& what)>;
 // Switches all motors off and sets the calibration for stops in RAM.
 Result<void> prepare_for_stops(host::Robot& robot);
 // Runs the motions of the group on a suspended robot, after prepare_for_stops(). Appends to `readings` after
-// each press, so readings from before a failure are kept. On success, the motors are off. Fails if the link
+// each press, so that earlier readings survive a failure. On success, the motors are off. Fails if the link
 // is lost, the board is reset, the board switches motors off, or the program is interrupted.
 Result<void> read_stops(host::Robot& robot, const MotionGroup& group, const OnReading& on,
                         std::vector<StopReading>& readings);

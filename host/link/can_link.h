@@ -56,7 +56,8 @@ class CanLink final : public PortLink {
  public:
   enum class End {
     host,  // sends requests to all 14 addresses
-    // Sends replies of the boards with Options::addresses. Receives requests to these boards and broadcasts.
+    // Sends replies of the boards with Options::addresses. Receives broadcasts and the requests to these
+    // boards.
     board,
   };
   struct Options {

@@ -8,15 +8,16 @@
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
 // So offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges are intersected
-// (K. Marzullo, "Maintaining the time in a distributed system", 1983), so the fastest exchanges set the
-// bounds. Between exchanges the interval grows on both sides by kDriftBound times the elapsed time, because
-// the crystals of board and host differ. With q = (hi - lo) / 2 the result is
+// (Marzullo, "Maintaining the time in a distributed system", 1983), so the fastest exchanges set the bounds.
+// Between exchanges the interval grows on both sides by kDriftBound times the elapsed time, because the
+// crystals of board and host differ. Let q be (hi - lo) / 2. The host time of a tick follows from this
+// formula:
 //
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
-// where `distance` is the time between that tick and the latest exchange. An empty intersection means that
-// the board was reset, or that the board's clock does not run steadily (for example, because a simulator lost
-// time). The relation then starts again from the latest exchange.
+// In this formula, `distance` is the time between the tick and the latest exchange. An empty intersection
+// means that the board was reset, or that the board's clock does not run steadily (for example, because a
+// simulator lost time). The relation then starts again from the latest exchange.
 #pragma once
 
 #include <cstdint>

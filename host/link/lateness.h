@@ -28,8 +28,8 @@ class LatenessMeter final : public Link, public Clock {
   // also fail and the process was late each time, the result is undecided.
   static constexpr int kRepetitions = 3;
 
-  // Returns the total time by which a program at the other end of the link, on this machine, fell behind.
-  // Fails if that program does not reply because it is stopped or has ended.
+  // Returns how far the other end of the link has fallen behind in total. The other end must be a program on
+  // this machine. Fails if that program does not reply because it is stopped or has ended.
   using TimeLost = std::function<Result<Time>()>;
   // `link` and `clock` must outlive this object. `other_end` may be null.
   LatenessMeter(Link& link, Clock& clock, TimeLost other_end = nullptr);
@@ -45,8 +45,8 @@ class LatenessMeter final : public Link, public Clock {
   Time total() const { return total_; }
   // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
   // ...". Returns an empty text if this process was on time; a failure is then the board's fault. Delays
-  // shorter than `at_least` are no excuse, whatever their number, because the measured operation tolerates
-  // short delays.
+  // shorter than `at_least` are never an excuse, even if there are many of them, because the measured
+  // operation tolerates short delays.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() found that the program at the other end does not reply. If the result is true,
   // further repetitions are useless.

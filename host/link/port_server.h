@@ -91,7 +91,7 @@ class PortServer final : public PortLink {
   BrowserGuard guard_{BrowserGuard::Peer::frames};
   telnet::Reader reader_;
   telnet::Options negotiation_;
-  // True: report() was called about bytes that came before option 44.
+  // True: report() has announced that bytes came before the agreement to telnet option 44.
   bool warned_ = false;
   std::vector<std::uint8_t> wire_;          // bytes from the client that are not parsed yet
   std::vector<std::uint8_t> data_;          // parsed bytes that read() has not returned yet

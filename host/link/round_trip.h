@@ -16,7 +16,7 @@ struct RoundTripStatistics {
   double smoothed_s = 0, variation_s = 0;  // SRTT and RTTVAR of RFC 6298
 };
 
-// Retransmission timeout by V. Paxson et al., "Computing TCP's Retransmission Timer", RFC 6298:
+// Computes the retransmission timeout as in RFC 6298 ("Computing TCP's Retransmission Timer"):
 //
 //   First round trip R:  SRTT = R, RTTVAR = R / 2.
 //   Each further R:      RTTVAR = 3/4 RTTVAR + 1/4 |SRTT - R|, SRTT = 7/8 SRTT + 1/8 R.

@@ -4,8 +4,8 @@
 // If a robot sees the same part of the floor again, the floor's pattern shows the drift of the robot's
 // odometry. A view is the floor's brightness at the cell centers of the map, minus the local mean, so that
 // the lighting does not matter. Two views are compared by normalized cross-correlation over all shifts and
-// turns within a range (J. P. Lewis, "Fast normalized cross-correlation", 1995). The sums are integers, so
-// the result is the same on every machine. Map frame: x ahead, y left. Units: m, rad.
+// turns within a range (Lewis, "Fast normalized cross-correlation", 1995). The sums are integers, so the
+// result is the same on every machine. Map frame: x ahead, y left. Units: m, rad.
 #pragma once
 
 #include <cstdint>

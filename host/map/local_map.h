@@ -14,16 +14,16 @@
 //   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. This
 //   direction of projection leaves no holes far away, where a pixel is larger than a cell. Also, cells behind
 //   an obstacle get no floor votes.
-// - Obstacle. Each other pixel with a depth is a point. A point votes for an obstacle in its cell if the
-//   point is higher than `obstacle_m` and lower than the robot. The height of the point must also be larger
-//   than three times its standard deviation. A cell's vote is 1 if the cell's points fill a quarter of the
-//   cell's width and height. The vote is less if a neighboring cell has more points. Stereo errors move a
-//   point only along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So a
-//   point whose cell is floor in the same picture is moved along its ray by up to two sigma, to a cell
-//   without floor. If the floor ends below a point in the picture, the distances of this end and of the point
-//   are compared. If the distances differ by at most three sigma, the point is moved to the end of the floor.
-//   A face without texture has no depth between its two edges. If both edges are at the end of the floor, the
-//   whole face is placed there (contact_line.h).
+// - Obstacle. A pixel with a depth is a point, unless the pixel belongs to the floor segment. A point votes
+//   for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the robot. The height
+//   of the point must also be larger than three times its standard deviation. A cell's vote is 1 if the
+//   cell's points fill a quarter of the cell's width and height. The vote is less if a neighboring cell has
+//   more points. Stereo errors move a point only along its ray, and the face of an obstacle is never nearer
+//   than the obstacle's foot. So a point whose cell is floor in the same picture is moved along its ray by up
+//   to two sigma, to a cell without floor. If the floor ends below a point in the picture, the distances of
+//   this end and of the point are compared. If the distances differ by at most three sigma, the point is
+//   moved to the end of the floor. A face without texture has no depth between its two edges. If both edges
+//   are at the end of the floor, the whole face is placed there (contact_line.h).
 // - Hole. A point counts as below the floor if it is lower by more than `drop_m` and three sigma. The point's
 //   ray must have crossed the plane of the floor at a place without floor. The cell at this place is an
 //   obstacle.
@@ -35,7 +35,8 @@
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
 // it. If tilt, roll and height are computed from the posture of a walking robot, the angles err by 0.65
-// degrees and the height by 4 mm (one sigma). Such errors shift floor at a distance of 1 m by 4 cm.
+// degrees and the height by 4 mm (one sigma). At a distance of 1 m, such errors move a point of the floor by
+// 4 cm.
 //
 // The weight of a vote is min(1, cell_m / dz), where dz = z^2 / (fx baseline) disparity_error_px is one sigma
 // of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. A cell
@@ -94,7 +95,8 @@ enum class Footprint { free, blocked, unknown };
 struct MapCounts {
   std::uint64_t updates = 0;
   std::uint64_t without_posture = 0;  // pictures rejected because the posture was unknown
-  std::uint64_t out_of_order = 0;     // pictures rejected because they were not newer
+  // pictures rejected because they were not newer than the last update
+  std::uint64_t out_of_order = 0;
 };
 
 class LocalMap {

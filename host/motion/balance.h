@@ -49,9 +49,9 @@ class BalancePolicy {
 
   // Returns the trained policy from learned_balance.inc.
   static BalancePolicy learned();
-  // Parses a text in the format of learned_balance.inc: kWeights numbers, separated by commas or white space;
-  // // begins a comment. Fails (usage) if the text is not valid; the message contains `name`, the line and
-  // the fault.
+  // Parses a text in the format of learned_balance.inc: kWeights numbers, separated by commas or white space.
+  // In each line, the text after `//` is a comment. Fails (usage) if the text is not valid; the message
+  // contains `name`, the line and the fault.
   static Result<BalancePolicy> parse(const std::string& text, const std::string& name);
 
   // Returns the outputs before the multiplication by their limits, each from -1 to 1.

@@ -10,16 +10,16 @@
 // directions during double support.
 //
 // Zero moment point criterion: the planned center of mass moves sideways by c(t) = C sin(2 pi phase) from the
-// middle of the feet. The height of the center of mass is h. In the cart-table model (Kajita et al. 2003, eq.
-// 3), the whole mass is concentrated at the center of mass, and the zero moment point (ZMP) is p = c - (h/g)
-// c''. For the sine c(t), the ZMP is
+// middle of the feet. The height of the center of mass is h. The cart-table model (Kajita and others, 2003,
+// equation 3) concentrates the whole mass at the center of mass. In this model, the zero moment point (ZMP)
+// is p = c - (h/g) c''. For the sine c(t), this formula gives the ZMP:
 //   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
 // edge of this sole must be at least `margin`. A swing is centered on the peak of the sine and lasts for the
-// share `swing` of the cycle. So the sine is cos(pi swing) at both ends of the swing. The distance of the
-// inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole. These conditions
-// determine the amplitude of the trunk's roll, which roll_for() computes.
+// share `swing` of the cycle. So the sine has the value cos(pi swing) at the beginning and at the end of the
+// swing. The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) -
+// kHalfSole. These conditions determine the amplitude of the trunk's roll, which roll_for() computes.
 #pragma once
 
 #include "host/motion/inverse.h"

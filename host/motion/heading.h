@@ -7,8 +7,8 @@
 //
 // A Kalman filter with two states estimates the heading and the gyro's zero together. The model of the zero
 // is a random walk, and each sample of a standing robot measures the zero. The filter also estimates the
-// covariance of heading and zero. So after a movement, the samples of the standing robot also correct the
-// heading for the drift of the zero during the movement. Units: rad, positive to the left.
+// covariance of heading and zero. During a movement, the drift of the zero causes an error of the heading.
+// When the robot stands again, the samples also correct this error. Units: rad, positive to the left.
 #pragma once
 
 #include "host/robot/inertial.h"

@@ -79,7 +79,7 @@ class Motion {
   double zeroed_s() const { return heading_.zeroed_s(); }
   double heading() const;
   const Place& place() const { return odometry_.place(); }
-  // Distance walked since the start, m; steps back count negative.
+  // Distance walked since the start, m; steps backward reduce the distance.
   double walked() const { return odometry_.walked(); }
   double roll() const { return roll_; }  // rad, planned roll of the trunk
   double phase() const { return phase_; }

@@ -29,7 +29,7 @@ class Odometry {
   void add(const JointAngles& measured, double left_share, double heading, double sigma_heading);
   const Place& place() const { return place_; }
   double walked() const { return walked_; }  // m, distance walked; positive ahead
-  // Path length, m; steps ahead and steps back both count positive.
+  // Path length, m; forward and backward steps both increase the length.
   double way() const { return way_; }
 
  private:

@@ -39,8 +39,9 @@ class Pickup {
   // Returns the angles of legs, arms and hands (not of the neck). Before time 0, returns the first pose.
   // After the end, returns the last pose. In both poses, the robot stands.
   JointAngles at(double time_s) const;
-  // Returns the joint angles of the motion that aborts the pickup. This motion begins at the pose at(from_s),
-  // opens the hand, and ends at home(). `time_s`: time since the start of this motion, 0 to kGiveUp_s.
+  // Returns the joint angles of the motion that aborts the pickup. This motion begins with the pose that
+  // `at(from_s)` returns, opens the hand, and ends at home(). `time_s`: time since the start of this motion,
+  // 0 to kGiveUp_s.
   JointAngles back(double from_s, double time_s) const;
   static constexpr double kGiveUp_s = 3.4;
 

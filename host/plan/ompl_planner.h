@@ -24,8 +24,9 @@ struct OmplOptions {
   std::uint64_t seed = 1;
   // Maximum number of batches, 1 or more. More batches take longer and find faster paths.
   int batches = 3;
-  int batches_until_found = 6;  // maximum number of batches that applies until a path is found
-  int batch_size = 100;         // number of poses in a batch, 1 or more
+  // If `batches` batches found no path, the search continues up to this number of batches.
+  int batches_until_found = 6;
+  int batch_size = 100;  // number of poses in a batch, 1 or more
 };
 
 // Fails if Kaz was built without OMPL (environment), or if options are out of range (usage).

@@ -93,8 +93,9 @@ struct Path {
   double seconds = 0;
   // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
   // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
-  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time to walk from
-  // the start and from the goal to their cell centers.
+  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time for two
+  // walks. One walk is from the start to the center of its cell, the other from the center of the goal's cell
+  // to the goal.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };

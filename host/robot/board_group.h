@@ -9,8 +9,8 @@
 //   interpolated between the last two states, or extrapolated by at most kMaxAhead. The angle error is the
 //   time error of both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
 // - A status flag of the group is set if any board sets this flag, with two exceptions. The group sets
-//   ENABLED only if every board whose motors should be on sets ENABLED. UNLOCKED is set only if every board
-//   sets UNLOCKED.
+//   ENABLED only if ENABLED is set by every board whose motors should be on. UNLOCKED is set only if every
+//   board sets UNLOCKED.
 // - If one board shuts down, the motors of all boards are switched off, unless the board's link watchdog
 //   caused the shutdown.
 // - If one board refuses a request, the group reports the request as refused, even if other boards have

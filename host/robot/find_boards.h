@@ -29,8 +29,8 @@ Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
 // Explains why the board at `address` did not reply. `error`: the error of the failed request. If boards
-// answer at other addresses only, returns an error message with these addresses and the command-line option
-// that selects such an address. Otherwise returns `error`.
+// answer, but only at other addresses, returns an error message with these addresses and the command-line
+// option that selects such an address. Otherwise returns `error`.
 Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
 
 }  // namespace kaz::host

@@ -85,8 +85,8 @@ struct PutBack {
 
 // Finds the board, switches its motors off, and restores `state`. At the call, the board may be starting, in
 // its loader, or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until
-// success or timeout, and reopens a lost link. During the call, an interrupt must not end waits on `link` or
-// `clock` (see CleanUp in interrupt.h).
+// success or timeout, and reopens a lost link. During the call, an interrupt must not end any wait on `link`
+// or `clock` (see CleanUp in interrupt.h).
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

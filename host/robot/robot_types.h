@@ -96,9 +96,9 @@ struct SelfTest {
 struct TelemetryFrame {
   std::uint8_t selection = 0;  // KZ_TELEMETRY_*: the kind of frame
   std::uint32_t tick = 0;      // board time
-  Time time{};                 // host time of that tick
+  Time time{};                 // host time that corresponds to `tick`
   std::uint16_t status = 0;
-  // In STATE and COMMANDS frames: rad; in DRIVES frames: duty, -1..1.
+  // Angles (rad) in STATE and COMMANDS frames; duties (-1..1) in DRIVES frames.
   JointAngles values{};
   double supply_volts = 0;   // in STATE and HEALTH frames
   std::optional<int> joint;  // in HEALTH frames: joint that caused the shutdown

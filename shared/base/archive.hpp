@@ -66,7 +66,7 @@ inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 // Maximum magnitudes. Within these limits, products of numbers are finite, and differences of times fit 64
 // bits.
 inline constexpr double kMaxArchived = 1e15;
-// Maximum time or counter: 9 years in ns, 495 years in H8 states.
+// Maximum value of a time or counter. This value is 9 years for a time in ns, or 495 years in H8 states.
 inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;
 
 // Returns whether a time or counter is within the limit. Two values outside the limit are also valid and mean

@@ -25,8 +25,9 @@ enum class JsonComments { refused, ignored };
 
 namespace bounded_json_detail {
 
-// Checks nesting and duplicate keys in the events of the parser itself, so that check and parser see the same
-// structure. A callback returns false to stop the parser; why() then returns the reason.
+// Checks nesting and duplicate keys. The functions of this class are callbacks of nlohmann::json's own
+// parser, so the check and the parser see the same structure. A callback returns false to stop the parser;
+// why() then returns the reason.
 template <class Json>
 class Guard final : public nlohmann::json_sax<Json> {
  public:

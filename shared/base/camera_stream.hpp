@@ -6,8 +6,8 @@
 //
 // A picture is width * height * 3 bytes of RGB, rows from top to bottom, without padding. Numbers are
 // little-endian, at the offsets of the structs below. Readers send nothing. The stream ends when the
-// publisher closes the socket, possibly within a pair. The page docs/reference/camera-stream.md describes the
-// stream for authors of readers.
+// publisher closes the socket, possibly within a pair. To write a program that reads the stream, see the page
+// docs/reference/camera-stream.md.
 //
 // The publisher sends a pair as soon as the pair is drawn and never waits for a slow reader. The publisher
 // skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should deliver a

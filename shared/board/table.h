@@ -28,8 +28,8 @@ extern const kz_board_joint kz_board_joints[KZ_JOINTS];
 // Returns the joint angle at potentiometer code `code` (0..1023) with the nominal calibration, in units of
 // 100 urad. One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of
 // the code's range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle.
-// Without the half code, a pair of mirrored servos would err in opposite directions, and the robot would walk
-// in a curve.
+// Without this offset of half a code, a pair of mirrored servos would err in opposite directions, and the
+// robot would walk in a curve.
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code);
 
 #ifdef __cplusplus

@@ -49,7 +49,7 @@
 //
 // In a write to RAM, the upper half of the address is 00FF. Writes to RAM have only one use: to load the
 // writer's second stage after boot mode, in order and without gaps. Below the end of the loaded part, the
-// writer stores nothing. It only compares the received bytes with the loaded bytes. So a repeated request
+// writer stores nothing, and compares the received bytes with the loaded bytes. So a repeated request
 // succeeds, and code that may be running never changes. A writer that the loader started refuses every write
 // to RAM. The reply to a write to RAM has the low half of the request's address.
 #define KZ_WRITER_WRITE 4
@@ -64,7 +64,8 @@
 #define KZ_WRITER_OK 0
 #define KZ_WRITER_DAMAGED 1  // a frame was damaged; the reply's number is 0
 #define KZ_WRITER_UNKNOWN 2  // unknown request
-// Value out of range, address or size not a multiple of a line, wrong length of the payload, or gap in RAM.
+// A value in the request is out of range, or the payload has a wrong length. Other causes: an address or
+// a size is not a multiple of 32 bytes, or a write would leave a gap in RAM.
 #define KZ_WRITER_ARGUMENTS 3
 // The memory is protected. A writer that the loader started protects the blocks of vectors and loader, and
 // all RAM. After boot mode, the writer protects RAM outside the second stage. The writer also refuses bytes

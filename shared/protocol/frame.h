@@ -15,8 +15,8 @@
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
 //   - A byte inside the frame that does not become zero. Either the damaged byte belongs to the check, or the
 //     damage is a burst of at most 8 bits, which the CRC detects.
-//   - The first zero. The receiver then includes the damaged byte in its CRC. No such byte leaves the CRC at
-//     its start value, so the check is wrong.
+//   - The first zero. The receiver then includes the damaged byte in its CRC. Each possible value of this
+//     byte changes the CRC, so the check is wrong.
 //   - The last zero. The receiver then reads the first byte of the check as a stuffing byte. Stuffing bytes
 //     are below 0x80, but bytes of the check are not, so the receiver rejects the frame.
 //   - A byte inside the frame that becomes zero. The part before this zero would be accepted only if the

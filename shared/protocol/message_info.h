@@ -15,11 +15,13 @@ typedef struct kz_field_info {
   const char* unit;
   const char* text;
   const char* mask;  // name of the field with the mask of present elements; NULL: no mask
-  long long low;     // lower bound in a request; without bounds, the lowest value of the type
-  long long high;    // upper bound in a request; without bounds, the highest value of the type
-  u8 size;           // bytes of one number
-  u8 count;          // maximum number of elements
-  u8 bounded;        // 1: messages.def gives bounds for the field
+  // Bounds of a field in a request. If messages.def gives no bounds, these are the lowest and the highest
+  // value of the type.
+  long long low;
+  long long high;
+  u8 size;     // bytes of one number
+  u8 count;    // maximum number of elements
+  u8 bounded;  // 1: messages.def gives bounds for the field
 } kz_field_info;
 
 typedef struct kz_message_info {

@@ -27,8 +27,9 @@
 extern "C" {
 #endif
 
-// Maximum change of angle per tick, 100 urad; larger changes are clamped. The maximum is 51 rad/s, four times
-// the motor's no-load speed. With this maximum, the filtered rate fits into 16 bits: 64 * 511 = 32704.
+// Maximum change of an angle per tick, in units of 100 urad; larger changes are clamped. The maximum is 51
+// rad/s, four times the motor's no-load speed. With this maximum, the filtered rate is at most
+// 64 * 511 = 32704, which fits into 16 bits.
 #define KZ_DELTA_MAX 511
 // Flags of kz_joint.constrained: why the joint needs the full computation.
 #define KZ_CONSTRAINED_NEAR_LIMIT 1

@@ -41,7 +41,7 @@ extern "C" {
 #define KZ_STALL_LOAD 178    // in units of 1/255 of the stall torque at 10 V
 #define KZ_STALL_ANGLE 300   // unit 100 urad; a joint that moves less counts as standing still
 #define KZ_STALL_COUNT (1000 / KZ_PROTECTION_MS)
-#define KZ_STALL_REPORTED 6  // value of `stalled` from which KZ_JOINT_STALLED is set
+#define KZ_STALL_REPORTED 6  // KZ_JOINT_STALLED is set if `stalled` has at least this value
 #define KZ_HEAT_LOAD 89      // continuous load that a motor withstands, in units of 1/255
 // Upper 16 bits of the heat at which motors are switched off: 89^2 * 8192 / 65536.
 #define KZ_HEAT_FULL ((u16)(KZ_HEAT_LOAD * KZ_HEAT_LOAD / 8))

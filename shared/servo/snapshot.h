@@ -48,7 +48,7 @@ typedef struct kz_startup {
   u8 address;                 // 1..14, from flash; KZ_ADDRESS_DEFAULT if not stored
   u8 shared_line;             // 1: other boards are on the line
   u8 calibration;             // KZ_CALIBRATION_*
-  s16 pot_centre[KZ_JOINTS];  // as stored in flash; nominal values without a valid copy
+  s16 pot_centre[KZ_JOINTS];  // as stored in flash; nominal values if flash has no valid copy
   s16 pot_scale[KZ_JOINTS];
 } kz_startup;
 
@@ -72,8 +72,8 @@ typedef struct kz_tick_input {
 
 // Outputs of a tick. The outputs reach the pins and the serial line at the start of the next tick.
 typedef struct kz_tick_output {
-  u8 pw[16];  // values of PWDR0..15: high counts per period of 256
-  u8 tmo[2];  // high counts of the outputs TMO0 and TMO1
+  u8 pw[16];  // values of PWDR0..15: time for which the output is high, in 1/256 of a period
+  u8 tmo[2];  // time for which the outputs TMO0 and TMO1 are high, in counts
   u8 p3;      // port data: direction bits (joints.def), other bits 0
   u8 p4;      // direction bits and KZ_P4_ENABLE; the A/D driver adds the multiplexer bits
   u8 p5;

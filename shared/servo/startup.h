@@ -1,4 +1,4 @@
-// Initializes struct kz_startup: factory values and self-tests of the first A/D codes.
+// Initializes struct kz_startup: sets the factory values, and tests the first A/D codes.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_STARTUP_H
 #define KAZ_SHARED_SERVO_STARTUP_H

@@ -42,7 +42,7 @@ extern "C" {
 // Contents of a log, as found by kz_store_scan.
 typedef struct kz_store {
   u16 sequence;  // sequence number of the newest copy; 0: no copy
-  // Newest sequence number of all valid lines, even without a complete copy; 0: no line.
+  // Newest sequence number of all valid lines, including the lines of incomplete copies; 0: no valid line.
   u16 last;
   u8 blocks;     // 1 or 2
   u8 parts;      // lines per copy
@@ -78,8 +78,8 @@ void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan,
 // Returns the data of a part of the newest copy: KZ_STORE_DATA bytes in `images`. Requires sequence != 0.
 const u8* kz_store_data(const kz_store* store, const u8* const* images, u8 part);
 
-// Packs the calibration of the joints 6 * part to 6 * part + 5 as data of a line. The arrays have KZ_JOINTS
-// elements.
+// Packs the calibration of six joints as data of a line. The first of these joints has the number `6 * part`.
+// The arrays have KZ_JOINTS elements.
 void kz_store_pack_calibration(u8* data, u8 part, const s16* centre, const s16* scale);
 
 // kz_store_load_calibration copies the stored calibration to `startup`; kz_store_load_address copies the

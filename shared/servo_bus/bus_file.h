@@ -1,4 +1,5 @@
-// Reads bus.json, the file beside a robot's URDF that assigns servos on a bus to the robot's joints.
+// Reads bus.json, which assigns servos on a bus to a robot's joints. The file is in the folder of the robot's
+// URDF.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The virtual bus and hosts of real buses read this file. docs/reference/servo-bus.md specifies the format.
@@ -41,8 +42,9 @@ struct BusFile {
   std::vector<BusServo> servos;
 };
 
-// Parses the text of a bus.json. `path` only names the file in errors. Returns Fault::usage for invalid text.
-// Duplicate ids are valid, so that a virtual bus can simulate servos with equal ids.
+// Parses the text of a bus.json. `path` appears in error messages only; the file is not opened. Returns
+// Fault::usage for invalid text. Duplicate ids are valid, so that a virtual bus can simulate servos with
+// equal ids.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
 // Returns the path of bus.json beside the URDF.
 std::string bus_file_path(const std::string& urdf_path);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Positions are in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). All these values
-// have the sign of the registers. The register drive_mode can reverse this sign relative to the servo's
-// direction.
+// have the same sign as in the registers. The register drive_mode can reverse this sign relative to the
+// servo's direction.
 //
 // The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains.
 // Rhoban (a robotics team) measured the divisor of the XL330's P gain.

@@ -5,8 +5,8 @@
 // is selected in the register `shutdown` switches the torque off until a reboot. We chose the following
 // values, because the maker publishes none:
 // - A supply voltage outside the limits is an error after 100 ms.
-// - An overload is a torque that exceeds 80 % of the maximum torque for more than 2 s. The maximum torque is
-//   that at the present voltage.
+// - An overload is a torque that exceeds 80 % of the maximum torque for more than 2 s. The maximum torque
+//   depends on the present supply voltage.
 // - An error that is not selected in `shutdown` ends when the cause of the error ends.
 //
 // The torque is computed from the PWM value minus the PWM value that the present speed requires. Encoder

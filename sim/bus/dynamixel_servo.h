@@ -10,7 +10,7 @@
 // - In a sync or bulk read, each servo waits until the previous servo has answered. If the previous servo
 //   does not answer, the waiting servo does not answer either.
 // - A broadcast ping is answered in the order of the ids. Each servo answers in a separate time slot.
-// - In a fast read only the first servo has a return delay.
+// - In a fast read, only the first servo has a return delay.
 #pragma once
 
 #include <cstdint>

@@ -64,7 +64,7 @@ class HalfDuplexLine {
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    Time after{};  // `from` is set to this value when next() returns the byte in `next`
+    Time after{};  // new value of `from` once next() has returned the byte in `next`
   };
 
   bool level(std::size_t node, Time at) const;

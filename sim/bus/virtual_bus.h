@@ -1,7 +1,7 @@
 // A servo bus in simulated time: host, wire, and servos whose motors drive a robot's joints in a world.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Events on the wire have a resolution of 1 ns. The control loops of the servos and the world advance in
+// Events on the wire have a resolution of 1 ns. The world and the servos' control loops advance in
 // steps of World::step_s(), by default 1 ms. The same calls give the same bytes.
 #pragma once
 

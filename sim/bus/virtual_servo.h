@@ -29,7 +29,7 @@ class VirtualServo {
 
   struct Answer {
     std::vector<std::uint8_t> bytes;
-    // The answer starts this time after the end of the byte that caused the answer.
+    // Time from the end of the byte that caused the answer to the start of the answer.
     Time delay{};
   };
   // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send an answer now.

@@ -76,8 +76,8 @@ struct WireReport {
   std::map<std::uint8_t, std::int64_t> by_type;  // number of replies by message type
   double chip_s = 0;                             // simulated time of the chip
 
-  // Returns the largest `ended_early` for which equal() may return true. Conversations that end early are
-  // rare: 2 in 10,000.
+  // Returns the maximum value of `ended_early` with which equal() can return true. Conversations that end
+  // early are rare: 2 in 10,000.
   std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
   bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;

@@ -11,8 +11,9 @@
 
 namespace kaz::sim {
 
-// Returns the body that `sender` is sending, without stuffing: address, type, sequence number, fields. The
-// result is empty if `sender` is not sending a frame or the byte stuffing is invalid.
+// Returns the body of the frame that `sender` is sending, without byte stuffing. The body consists of
+// address, type, sequence number and fields. The result is empty if `sender` is not sending a frame or the
+// byte stuffing is invalid.
 std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
 // Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or

@@ -29,8 +29,8 @@ using States = std::int64_t;
 // board's pull resistor. These resistors pull the select pins of the multiplexers high and all other pins
 // low.
 struct PinLevels {
-  std::array<std::uint16_t, 16> pw{};  // PW0..PW15: number of high counts in 256
-  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: number of high counts in 256
+  std::array<std::uint16_t, 16> pw{};  // PW0..PW15: number of high counts out of 256
+  std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: number of high counts out of 256
   std::uint8_t p3 = 0, p4 = 0x07, p5 = 0, p6 = 0;
   bool operator==(const PinLevels&) const = default;
   template <class A>

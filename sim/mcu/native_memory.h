@@ -30,7 +30,7 @@ class NativeMemory {
   // Schedules a write that begins at `from`. The motors must be off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
-  // Returns the time from which the board does not serve the serial line during the write.
+  // Returns the time at which the board stops serving the serial line because of the write.
   States deaf_from() const { return deaf_from_; }
   // Returns the time at which the write ends, unless cut() aborts the write.
   States over_at() const { return over_at_; }
@@ -62,7 +62,7 @@ class NativeMemory {
   struct Pulse {
     States start, end;
     int block;  // 0..2
-    int line;   // line to program; -1: the pulse erases the block
+    int line;   // flash line that the pulse programs; -1: the pulse erases the block
     std::array<u8, KZ_STORE_LINE> data;
     template <class A>
     void transfer(A& a) {

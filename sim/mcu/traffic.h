@@ -16,8 +16,9 @@
 
 namespace kaz::sim {
 
-// Random host with phases of 50 to 1500 ms: orderly conversation, bursts of frames back to back, faulty
-// frames and noise, or silence. A silence may exceed the timeout of the link watchdog.
+// Random host with phases of 50 to 1500 ms. Each phase has one of four kinds of traffic: orderly
+// requests, frames without gaps, faulty frames and noise, or silence. A silence may exceed the timeout of the
+// link watchdog.
 class RandomHost {
  public:
   explicit RandomHost(std::uint64_t seed) : random_(seed), requests_(random_) {}
@@ -39,7 +40,7 @@ class RandomHost {
   Random random_;
   RandomRequest requests_;
   Phase phase_ = Phase::orderly;
-  int phase_left_ms_ = 300;  // the first phase is orderly so that motors are enabled
+  int phase_left_ms_ = 300;  // the first phase is orderly, so that the host enables motors
   int pause_ms_ = 0;
   States wire_free_ = 0;
   std::uint8_t sequence_ = 0;

@@ -20,7 +20,7 @@ struct DecodedByte {
   States start = 0;            // falling edge of the start bit
   bool framing_error = false;  // the stop bit is low
   // Largest deviation of the byte's edges from whole bit times. If the byte starts before the nominal end of
-  // the previous frame, the value is at least the length of this overlap.
+  // the previous frame, the two frames overlap. The value is then at least the length of the overlap.
   States edge_deviation = 0;
 };
 

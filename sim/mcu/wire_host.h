@@ -4,10 +4,11 @@
 // The host sends every kind of request of the protocol. Some requests have invalid values, are damaged, or
 // address other boards. Some requests arrive in pieces, back to back, or with framing errors. In some
 // conversations, the host requests telemetry, a store to flash, a reset, or the loader. In some
-// conversations, the host sends bytes while the board starts. The board does not serve the line during a
-// store, a reset or the loader. The host sends the request for a store, a reset or the loader alone, with a
-// pause before and after the request. The exact start of a store, a reset or the loader depends on how long
-// the CPU was busy. The native engine does not model how long the CPU is busy (wire_differences.h).
+// conversations, the host sends bytes while the board starts. While the board stores to flash, resets,
+// or runs the loader, the board does not serve the line. Therefore the host pauses before and after each
+// request that starts a store, a reset or the loader. The exact time at which the board starts the
+// store, the reset or the loader depends on how long the CPU was busy. The native engine does not model how
+// long the CPU is busy (wire_differences.h).
 #pragma once
 
 #include <array>

@@ -10,10 +10,10 @@
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
-// I is the disc's inertia (kg m^2) and h the step size (s). The speeds before and after the step are w0 and
-// w1 (rad/s). The hand acts on the shaft like a spring with the stiffness k (Nm/rad) and the damping c (Nm
-// s/rad). The angle e (rad) is the angle of the hand minus the angle of the shaft. `load` is the torque of
-// the weight, and T is the torque of the motor (Nm). The shafts have the mechanical stops of Kaz's joints.
+// `I` is the disc's inertia (kg m^2), and `h` is the step size (s). The speeds before and after the step are
+// w0 and w1 (rad/s). The hand acts on the shaft like a spring with the stiffness k (Nm/rad) and the damping c
+// (Nm s/rad). The angle e (rad) is the angle of the hand minus the angle of the shaft. `load` is the torque
+// of the weight, and T is the torque of the motor (Nm). The shafts have the mechanical stops of Kaz's joints.
 #pragma once
 
 #include <array>

@@ -32,7 +32,7 @@ struct Pinhole {
   static Pinhole from_horizontal_view(int width, int height, double horizontal_rad);
 };
 
-// Part of a picture: columns left .. right - 1 of rows top .. bottom - 1.
+// Part of a picture: the columns `left .. right - 1` of the rows `top .. bottom - 1`.
 struct PicturePart {
   int left = 0, top = 0, right = 0, bottom = 0;
 };

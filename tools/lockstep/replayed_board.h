@@ -51,8 +51,8 @@ class ReplayedBoard {
   // Call this function after the host has finished. Detects recorded bytes and entries that the host did not
   // produce.
   void finish();
-  // First difference in the bytes to the board. If all bytes are equal, an earlier or later end of the host
-  // is the difference.
+  // First difference in the bytes to the board. If all bytes are equal but the host ends earlier or later
+  // than in the recording, this end is the difference.
   const std::optional<HostDifference>& difference() const { return difference_; }
   // First difference in the behavior's entries. If different entries cause different bytes, the entries
   // differ first and show the cause.

@@ -38,9 +38,9 @@ std::string calibration_text(const StereoCalibration& calibration, CalibrationFo
                              const std::vector<std::pair<std::string, double>>& notes = {},
                              const std::string& date = "");
 
-// Computes rectified_from_camera and `rectified` from the lenses and from the transform from the left to the
-// right camera, x_right = R x_left + T (m). Errors: the eyes are at the same position or exchanged; one eye
-// is above the other; the lenses cannot be rectified.
+// Computes rectified_from_camera and `rectified`. The computation uses the lenses and the given transform
+// between the cameras, `x_right = R x_left + T` (m). Errors: the eyes are at the same position or exchanged;
+// one eye is above the other; the lenses cannot be rectified.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);
 

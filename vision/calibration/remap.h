@@ -24,7 +24,7 @@ class Remap {
   struct Size {
     int width = 0, height = 0;
   };
-  // Columns first .. end - 1 of a row; empty if end <= first.
+  // The columns `first .. end - 1` of a row; empty if `end <= first`.
   struct Columns {
     int first = 0, end = 0;
   };

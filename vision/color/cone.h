@@ -24,9 +24,10 @@ std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double 
 // Returns the angle (rad) by which a ray lies outside the cone; negative inside.
 double angle_outside(const Cone& cone, const Eigen::Vector3d& unit_ray);
 
-// Half axes of the ellipse that a cone forms in the image of a pinhole camera with focal length 1. Let a be
-// the half angle, t the angle between the axes of cone and camera, and A = cos^2(a) - sin^2(t). Then across =
-// sin(a) / sqrt(A) and along = cos(a) sin(a) / A.
+// Half axes of the ellipse that a cone forms in the image of a pinhole camera with focal length 1. The
+// half angle of the cone is alpha, and the angle between the axes of cone and camera is theta. With
+// A = cos^2(alpha) - sin^2(theta), the half axes are `across = sin(alpha) / sqrt(A)` and
+// `along = cos(alpha) * sin(alpha) / A`.
 struct EllipseAxes {
   double across, along;
 };

@@ -19,8 +19,9 @@
 // the warped picture. A new match within 1 px of the plane replaces the first match if the new cost is at
 // most 25 % higher (kMaxCost_percent, depth_rows.h). This extension does not need the posture.
 //
-// A point at depth z appears d = fx baseline / z pixels further left in the right picture. Frames: optical (x
-// right, y down, z forward, origin at the left lens) and foot, as in frame.h. Units: m, px.
+// In the right picture, a point appears further left than in the left picture. For a point at depth z, the
+// difference is the disparity `d = fx * baseline / z` (px). Frames: optical (x right, y down, z forward,
+// origin at the left lens) and foot, as in frame.h. Units: m, px.
 #pragma once
 
 #include <cstddef>
@@ -45,8 +46,9 @@ struct DepthOptions {
   // sizes the value is scaled by the area. Noise with a standard deviation of 1.6 codes already gives a sum
   // of 1000, and two pictures of noise have no meaningful match.
   int min_texture = 1000;
-  int uniqueness_percent = 10;  // minimum margin of the costs of other disparities, percent
-  int left_right_px = 1;        // tolerance of the left-right check, px; negative: no check
+  // Minimum share by which the costs of other disparities must exceed the lowest cost, percent.
+  int uniqueness_percent = 10;
+  int left_right_px = 1;  // tolerance of the left-right check, px; negative: no check
   // Maximum number of slanted planes, such as the floor, for which matching is repeated; 0: no second
   // matching.
   int slants = 2;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // All points along an edge look alike (the aperture problem), and matching searches only along the rows. If
-// the right picture is displaced vertically by e px, the disparity of the best match changes by dd px. Least
-// squares over the block give
+// the right picture is displaced vertically by e px, the disparity of the best match changes by dd px. A
+// least-squares fit over the block yields dd:
 //
 //   dd = e Sxy / Sxx,   Sxx = sum of gx^2, Sxy = sum of gx gy
 //

@@ -39,7 +39,8 @@ struct BlockRow {
 };
 void match_row(const BlockRow& row, bool vectors);
 
-// Returns the uniqueness threshold. Costs up to min_cost (1 + share / 65536) put the winner in doubt.
+// Returns the uniqueness threshold. Costs up to this threshold put the winner in doubt. The threshold is
+// `min_cost * (1 + share / 65536)`, but less than INT16_MAX.
 inline int doubt(int min_cost, int share) {
   const int limit = min_cost + ((min_cost * share) >> 16);
   return limit < INT16_MAX ? limit : INT16_MAX - 1;

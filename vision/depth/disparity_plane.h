@@ -22,7 +22,7 @@ struct DisparityPlane {
   float a = 0, b = 0, c = 0;
 
   float at(float u, float v) const { return a * u + b * v + c; }
-  // Returns the vector B/D n, which is parallel to the normal n. Dimensionless, optical frame.
+  // Returns the normal n, multiplied by B / D. Dimensionless, optical frame.
   Eigen::Vector3d scaled_normal(const CameraModel& camera) const {
     return {a, b * camera.fy / camera.fx, c / camera.fx};
   }

@@ -12,8 +12,9 @@ namespace kaz::vision {
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
 // Compares the depth of the pair with the depth of the exchanged pair. If the pictures are swapped, objects
-// are further right in the right picture than in the left picture. Matching does not search there, and
-// therefore finds less depth in swapped pictures. Computes two small depth images.
+// are further right in the right picture than in the left picture. Block matching expects objects
+// further left in the right picture, and therefore finds less depth in swapped pictures. Computes two small
+// depth images.
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 

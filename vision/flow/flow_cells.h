@@ -52,7 +52,8 @@ class FlowProducts {
   bool vectors_;
   int width_ = 0, height_ = 0;
   std::size_t pitch_ = 0, plane_ = 0;  // number of floats per row, and per product
-  std::vector<float> memory_;          // all products, each with a border of zeros of half a patch
+  // All products. Each has a border of zeros; the border is half a patch wide.
+  std::vector<float> memory_;
   std::vector<float> columns_, sums_;  // column sums and patch sums of one row
 };
 
@@ -68,11 +69,12 @@ struct FlowCertaintyRow {
 
 // Validates the cells of a row and writes the certainty of each cell. <x> is the weighted mean of x over the
 // patch of a cell. Units: px of the reduced picture, and gray codes.
-// - Structure tensor G = (xx xy; xy yy). Its smaller eigenvalue is
-//   `lesser` = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2).
+// - Structure tensor G = (xx xy; xy yy). The smaller eigenvalue of G is
+//   `lesser = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2)`.
 // - Residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2.
-// - Similarity: s^2 <= max_unlike varies + noise.
-// - Standard error: s^2 / (n lesser) <= max_error^2, with n = kFlowPatch^2 and s^2 not below the noise.
+// - Test of the similarity: `s^2 <= max_unlike * varies + noise`.
+// - Test of the standard error: `s^2 / (n * lesser) <= max_error^2`. Here n is kFlowPatch^2, and s^2 is at
+//   least the noise.
 // - Further Lucas-Kanade step: |G^-1 b|^2 <= max_step^2, with b = <g d> - <g> <d>.
 // The certainty is n G / s^2, converted to 1/px^2 of the full picture. Where a test fails, the certainty is
 // 0.

@@ -7,10 +7,10 @@
 // - flow: FlowImage, the optical flow from the previous left picture to the present one. The width of the
 //   flow image is 0 if flow is unavailable.
 // - planes: PlaneSegments. Needs depth.
-// - floor: PlaneSegments in which the edges of the floor are refined with the left picture. Needs planes and
-//   depth.
+// - floor: PlaneSegments in which the edges of the floor are refined with the left picture. Needs the
+//   modules `planes` and `depth`.
 // - moving: MovingRegions, the independently moving objects. `cells_across` is 0 if the flow or the earlier
-//   picture is unavailable. Needs flow and depth.
+//   picture is unavailable. Needs the modules `flow` and `depth`.
 //
 // The default latencies for lockstep come from measured runs.
 #pragma once

@@ -8,7 +8,7 @@
 
 namespace kaz::vision {
 
-// Disparities at or above this value, or not above 0, are unknown.
+// A disparity is known only if the disparity is above 0 and below this value.
 constexpr float kMaxDisparity_px = 1e9F;
 
 // Statistics of the known disparities of each pixel column over several rows.
@@ -23,8 +23,9 @@ struct ColumnSums {
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Labels the pixels of a row. Pixels whose disparity is within `tolerance` of start + slope x get `label`,
-// other pixels get label 0. Adds the labeled pixels to each column's count and sum of squared residuals.
+// Labels the pixels of a row. A pixel in column x gets `label` if the difference between the pixel's
+// disparity and `start + slope * x` is less than `tolerance`. Other pixels get label 0. Adds the labeled
+// pixels to each column's count and sum of squared residuals.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

@@ -15,9 +15,9 @@
 //
 // Differences from the paper: points are means over squares with sides of about 1/80 of the picture's width.
 // Fits of planes and distances from planes are computed in disparity, because the stereo noise of disparity
-// is the same for near and far points. A plane in space is d = a u + b v + c in disparity. Each plane has its
-// own round of votes, so that the floor does not hide a small plane. At the end, single pixels instead of
-// squares are assigned to the nearest plane.
+// is the same for near and far points. In a disparity image, every plane in space has the equation
+// `d = a u + b v + c`. Each plane has its own round of votes, so that the floor does not hide a small plane.
+// At the end, single pixels instead of squares are assigned to the nearest plane.
 //
 // Units: m, px, rad. Frame: optical frame of the left eye (frame.h).
 #pragma once

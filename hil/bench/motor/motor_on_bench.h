@@ -95,8 +95,8 @@ class MotorOnBench {
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
   // Collects samples until `until` on the host's clock, or until `enough` returns true. A busy machine reads
-  // frames late. If frames from before `until_s` (board time, seconds after begin_tick) are missing, waits up
-  // to 100 ms longer.
+  // frames late. If the samples end well before `until_s` (board time, seconds after begin_tick), waits up to
+  // 100 ms longer.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

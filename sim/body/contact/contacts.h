@@ -8,8 +8,8 @@
 // (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are skipped.
 //
 // A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
-// change results. Therefore each thread has one Contacts object for all worlds that the thread steps, and the
-// object stays in the processor's cache.
+// change results. Therefore each thread has one Contacts object for all its worlds, and the object stays in
+// the processor's cache.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Checks path and format of a mesh file that a robot file names.
+// Checks the path and the format of a mesh file that is listed in a robot file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -8,9 +8,9 @@
 
 namespace kaz::sim {
 
-// Parameters of a gear motor at the output shaft, in SI units. The torque of a cold motor is stall_slope V
-// duty - back_emf w - friction. V is the supply voltage, w the speed of the shaft in rad/s. The duty is
-// -1..1.
+// Parameters of a gear motor at the output shaft, in SI units. The torque of a cold motor is
+// `stall_slope * V * duty - back_emf * w - friction`. V is the supply voltage, w the speed of the shaft in
+// rad/s. The duty is -1..1.
 struct MotorParams {
   std::string name;
   double stall_slope_nm_per_v = 0;

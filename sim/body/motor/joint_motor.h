@@ -17,12 +17,12 @@
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
-// and the mirror image of this row for the other flank. In the solution, the flank is either free or engaged.
-// So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in back-EMF
-// and rotor inertia, because explicit torques would be unstable on the light links of the robot. Each step
-// has only one row, for the flank that would be closer to the rotor after the step. If the joint passes the
-// other flank, the rotor's angle is set to the position of that flank. This correction changes an angle but
-// no speed, and therefore adds no energy.
+// The row for the other flank is the mirror image of this row. In the solution, the flank is either free or
+// engaged. So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in
+// back-EMF and rotor inertia, because explicit torques would be unstable on the light links of the robot.
+// Each step has only one row, for the flank that would be closer to the rotor after the step. If the joint
+// passes the other flank, the rotor's angle is set to the position of that flank. This correction changes an
+// angle but no speed, and therefore adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //

@@ -9,7 +9,7 @@
 //
 // Two matrices have this structure: the inertia matrix M, and the matrix H of a Newton iteration. H is M plus
 // the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. In this
-// order, one branch of the tree causes no fill-in in another branch (R. Featherstone, "Rigid Body Dynamics
+// order, one branch of the tree causes no fill-in in another branch (Featherstone, "Rigid Body Dynamics
 // Algorithms", 6.5: branch-induced sparsity). A chain that is attached to the root and has no contacts is
 // called calm. The factors of a calm chain and the chain's Schur complement in the root's block are reused
 // until the active set of the chain changes.

@@ -1,5 +1,5 @@
-// World in reduced coordinates. Joints do not drift, motors are integrated implicitly, cones limit friction,
-// and all contacts are solved together.
+// World in reduced coordinates. Joints do not drift, motors are integrated implicitly, friction is limited by
+// cones, and all contacts are solved together.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/explanation/dynamics.md describes the formulation. A step of h seconds begins with coordinates q and

@@ -27,10 +27,10 @@
 // the solver first sums the stiffness of the points in a 6 x 6 matrix and then maps this matrix to the
 // coordinates.
 //
-// Sources: the primal Newton solver of E. Todorov et al., MuJoCo ("Computation: solver algorithms"), and the
-// regularized friction of A. Castro et al., "An unconstrained convex formulation of compliant contact", IEEE
-// T-RO 39(2), 2023. This solver differs from Castro et al. in two points. The friction limit uses the normal
-// force of the current iteration, not of the last step. The stretch of the tangential spring is kept, so that
+// The primal Newton solver follows MuJoCo (Todorov et al., "Computation: solver algorithms"). The regularized
+// friction follows Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO
+// 39(2), 2023. This solver differs from Castro et al. in two points. The friction limit uses the normal force
+// of the current iteration, not of the last step. The stretch of the tangential spring is kept, so that
 // sticking contacts do not creep.
 //
 // Limitations: even hard contacts have a tangential compliance `give`, which is kGive times the mobility of
@@ -98,8 +98,8 @@ class VelocitySolver {
   // Adds the relative motion of two bodies and returns the index of the pair. At most three of the segments
   // may be non-empty. The segments must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
-  // Returns the Jacobian of the pair: six numbers, initially 0, for each coordinate of the segments with
-  // `plain` = 0. The pointer is valid until the next add_pair().
+  // Returns the Jacobian of the pair: six numbers for each coordinate of the segments whose `plain` is 0. All
+  // numbers are initially 0. The pointer is valid until the next add_pair().
   double* columns(int pair) {
     return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
   }

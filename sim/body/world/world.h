@@ -72,7 +72,8 @@ struct WorldOptions {
   std::string dynamics = "reduced";
   // True: suspended robot; the root link is fixed and the feet do not touch the ground.
   bool hung = false;
-  // Name of a motor in the motor.xml in the URDF's folder. "": the default motor of this file.
+  // Name of a motor in motor.xml, which is in the folder of the URDF file. "": the default motor of
+  // motor.xml.
   std::string motor = "";
   bool ideal_motors = false;  // motors without backlash and heat
 };

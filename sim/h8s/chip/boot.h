@@ -42,7 +42,7 @@ class BootRom {
  private:
   enum class Step : std::uint8_t {
     off,
-    measure,     // measures the bit time of the host's H'00
+    measure,     // measures the bit time of the host's byte H'00
     greet,       // sends H'00
     match,       // waits for H'55
     count_high,  // receives the size of the program

@@ -286,13 +286,13 @@ class Chip {
   // before the reset. Clones are not watched, and changes by restore() are not reported.
   //
   // Stale flags: translated code computes flags only where the program reads the flags, or where execution
-  // may leave the translated block. If a MOV or bit instruction with a fixed I/O address causes the call, H,
-  // N, Z, V and C in registers().ccr may come from any earlier instruction. ER0 to ER7, I, UI, now() and PC
-  // (the address of the instruction that causes the call) are valid. All flags are valid between instructions
-  // (call_at, code hooks) and while an observer is attached. With the engines `reference` and `interpreter`
-  // all flags are valid in every call, because a store instruction has set the flags before the call.
-  // The count from instructions() may exclude the instructions since the last event. These limits also apply
-  // in the callbacks of on_output, on_transmit and set_analog.
+  // may leave the translated block. If the call is caused by a MOV or bit instruction with a fixed I/O
+  // address, five flags in registers().ccr (H, N, Z, V and C) can be those of any earlier instruction. ER0 to
+  // ER7, I, UI, now() and PC (the address of the instruction that causes the call) are valid. All flags are
+  // valid between instructions (call_at, code hooks) and while an observer is attached. With the engines
+  // `reference` and `interpreter` all flags are valid in every call, because a store instruction has set the
+  // flags before the call. The count from instructions() may exclude the instructions since the last event.
+  // These limits also apply in the callbacks of on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
   // Calls the function `call` once, at the time `at` and between two instructions. The argument of the call
@@ -321,10 +321,10 @@ class Chip {
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
   // `steady` promises that `source` has no side effects. `steady` also promises that the voltages depend only
-  // on channel, time, outputs other than serial outputs, and values that are constant during a run. With
-  // `steady`, the chip may call `source` later than the time of a scan's sample. The latest time of the call
-  // is the next change of one of these outputs or the end of the run, whichever is earlier. The chip skips
-  // samples whose results the program does not read.
+  // on channel, time, outputs other than serial outputs, and values that are constant during a run. In
+  // scan mode with `steady`, the chip can call `source` later than the time of the sample. The latest time of
+  // the call is the next change of one of these outputs or the end of the run, whichever is earlier. The chip
+  // skips samples whose results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

@@ -1,4 +1,4 @@
-// Data transfer controller (DTC): moves data on interrupt requests while the CPU waits for the bus.
+// Data transfer controller (DTC): an interrupt request starts a transfer, and the CPU waits for the bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -16,7 +16,7 @@ struct Options {
   // Number of jumps to an address before the code at that address is translated. Affects speed only.
   std::uint32_t translate_after = 100;
   // Levels of MD1 and MD0 at reset. 2 is single-chip advanced mode (24-bit addresses), 3 single-chip normal
-  // mode (16-bit addresses). 0 with P42, P41 and P40 high is boot mode.
+  // mode (16-bit addresses). The value 0 selects boot mode if P42, P41 and P40 are high.
   int mode = 2;
   // Decision time of an interrupt. The CPU accepts the interrupt at the first instruction boundary that is
   // more than this time after the request (hardware manual, interrupt response times).

@@ -19,7 +19,7 @@ class Ports {
   // return nullopt or false if the address does not belong to a register of a port.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Returns whether `address` is a latch or direction register and a write of `value` would change nothing.
+  // Returns true if the register at `address` is a latch or direction register and already contains `value`.
   bool holds(std::uint32_t address, std::uint8_t value) const;
   // Resets the registers, but keeps the levels that the board drives.
   void reset();

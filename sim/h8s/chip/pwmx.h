@@ -11,8 +11,8 @@ namespace kaz::h8s {
 
 class Machine;
 
-// Source: hardware manual, 14-bit PWM timer. A conversion period is 16384 T. DACR.CKS selects T = 1 or 2
-// states.
+// Source: hardware manual, 14-bit PWM timer. A conversion period lasts 16384 times T, where T is 1 or 2
+// states (DACR.CKS).
 class Pwmx {
  public:
   // Register accesses while STCR.IICE = 1: FFA0, FFA1, FFA6, FFA7. REGS selects the bank.

@@ -127,7 +127,7 @@ struct Cpu {
   std::uint8_t request = 0;  // number of the semihosting request to handle; 0: no request
   bool normal = false;       // normal mode: 16-bit addresses
   bool two_level = false;    // interrupt control mode 1: exceptions also set UI
-  bool stc_copies = false;   // Options describes this member and the next two
+  bool stc_copies = false;   // struct Options describes this member and the next two members
   bool rte_holds_off = false;
   bool predecrement_stores_decremented = true;
   bool hold_off = false;  // no interrupt is accepted before the next instruction
@@ -148,8 +148,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than every time. The difference
-// between a time and -1 does not overflow.
+// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. The
+// difference between a time and -1 does not overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }

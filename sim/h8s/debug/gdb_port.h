@@ -36,11 +36,11 @@ class GdbPort {
   // returns after the file descriptor `stop` has become readable (-1: no descriptor), even if GDB does not
   // read the replies. Error: the connection fails.
   //
-  // A client is rejected if its first bytes can be the request of a web browser (browser_guard.hpp). After a
-  // rejected client, or a client that closes without sending a byte, the function waits for the next client.
-  // A new client replaces a current client that has sent nothing so far. A new client also replaces a current
-  // client whose bytes so far can be the beginning of a browser's request. If a client cannot be accepted,
-  // for example because no file descriptor is free, the function retries every 100 ms.
+  // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). After
+  // a rejected client, or a client that closes without sending a byte, the function waits for the next
+  // client. A new client replaces a current client that has sent nothing so far. A new client also replaces a
+  // current client that could still be a web browser, according to the bytes sent so far. If a client cannot
+  // be accepted, for example because no file descriptor is free, the function retries every 100 ms.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

@@ -10,7 +10,7 @@
 
 namespace kaz::h8s {
 
-// Observer that writes lines such as
+// Observer that writes one line for each instruction, for example:
 //
 //   "     1234  001006  _main+0x6  mov.w r0,@0xffe100:16  ccr=80  [ffe100]=0005"
 //

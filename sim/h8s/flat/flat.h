@@ -86,7 +86,7 @@ class Flat {
   std::int64_t instructions() const;  // number of executed instructions; EEPMOV counts as one
 
   Registers registers() const;
-  // Sets the registers. A program that has ended may then continue.
+  // Sets the registers. After this call, a program that has ended can continue.
   void set_registers(const Registers& registers);
   // Reads and writes of RAM. Addresses are taken modulo 2^24.
   std::uint8_t peek(std::uint32_t address) const;

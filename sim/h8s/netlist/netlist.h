@@ -35,8 +35,8 @@ class Part {
   virtual void changed(Netlist&, Net, States /*at*/) {}
   // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
-  // Returns the voltage of an output whose voltage changes between edges (Netlist::drive with `moving`), as a
-  // fraction of AVCC.
+  // Returns the voltage of an output as a fraction of AVCC. Called for outputs whose voltage changes between
+  // edges: Netlist::drive with `moving`.
   virtual double voltage(States /*at*/) const { return 0; }
   // State of the part, for Netlist::save and restore.
   virtual std::vector<double> save() const { return {}; }
@@ -118,8 +118,8 @@ class Netlist {
   // Part::voltage gives the voltage instead.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
-  // Schedules woken() for `at` and replaces an earlier schedule. The maximum value of States cancels the
-  // schedule.
+  // Schedules woken() for `at` and replaces an earlier schedule. To cancel the schedule, set `at` to the
+  // maximum value of the type States.
   void wake(Part& part, States at);
   // Must be called after the moving voltage of an output has crossed the threshold. Evaluates the output's
   // net again.

@@ -1,4 +1,4 @@
-// Parts of a netlist. Programs can derive other parts from Part.
+// Parts of a netlist. Programs can derive other parts from the class Part.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

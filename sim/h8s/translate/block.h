@@ -32,7 +32,7 @@ enum class From : std::uint8_t {
   result,  // N and Z from `r`, V is 0
   add,     // r := r + b
   sub,     // r := r - b
-  cmp,     // r - b, r unchanged
+  cmp,     // like sub, but r is unchanged
   neg,     // r := 0 - r
   zero,    // a register minus itself
   bit,     // Z from r & b

@@ -1,4 +1,4 @@
-// Memory for host code whose pages are never writable and executable at once.
+// Memory for host code. No page is writable and executable at the same time.
 // SPDX-License-Identifier: Apache-2.0
 //
 // asmjit's JitRuntime maps its memory writable and executable. JitRuntime's dual mapping separates the
@@ -25,8 +25,8 @@ class CodeMemory {
   CodeMemory& operator=(const CodeMemory&) = delete;
 
   // Appends finished code and returns its address. Returns null if asmjit fails, the range is full, or a
-  // security policy forbids executable memory. Call clear() after a failure, because the pages of earlier
-  // code can have lost their execute permission. Must not be called while code of this memory runs.
+  // security policy forbids executable memory. Call clear() after a failure, because a failure can leave
+  // pages of earlier code without execute permission. Must not be called while code of this memory runs.
   const void* add(asmjit::CodeHolder& code);
   // Discards all code. Code that is added later reuses the memory of the discarded code.
   void clear() { used_ = 0; }

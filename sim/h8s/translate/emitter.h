@@ -22,8 +22,8 @@ struct Entry {
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
-// Record for the near-end version of a block. This version runs if the time left until Cpu::stop does not
-// exceed the block's bound (Block::bound).
+// Record for the near-end version of a block: host code that runs shortly before Cpu::stop. This version runs
+// if the time left until Cpu::stop does not exceed the block's bound (Block::bound).
 struct NearEnd {
   // Host code that checks the time left after each instruction; null: no code.
   const void* code = nullptr;
@@ -221,9 +221,9 @@ class Emitter {
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
-  // Result of a range check that holds within a block: the bytes from register + `low` to below register +
-  // `high` are RAM. If a check for several accesses fails, execution continues in a second version of the
-  // block's code, which checks each access.
+  // Result of a range check that holds within a block: all addresses from register + `low` to register +
+  // `high` - 1 are in RAM. If a check for several accesses fails, execution continues in a second version of
+  // the block's code, which checks each access.
   struct Proof {
     std::int32_t low = 0, high = 0;
     bool even = false;  // the value of the register is even

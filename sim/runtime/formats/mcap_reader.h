@@ -25,8 +25,8 @@ struct McapRecording {
   static constexpr std::size_t max_facts = 10'000;
   // Key in `facts`; the value is the name of the signal that interrupted the run.
   static constexpr const char* kInterrupted = "interrupted";
-  // Limit of message times: one year, which is longer than any run. For one year, the conversion to crystal
-  // periods (time.h) does not overflow.
+  // Limit of message times: one year, which is longer than any run. Times up to this
+  // limit can be converted to crystal periods (time.h) without overflow.
   static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
 
   struct Message {

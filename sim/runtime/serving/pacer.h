@@ -11,9 +11,9 @@
 
 namespace kaz::sim {
 
-// Simulated time t is due at wall time origin + t. A world that is late runs at full speed until the delay is
-// made up. If the world is late by more than `tolerance`, the origin is shifted, and the delay is counted as
-// lost time. Without this shift, a stall would be followed by a burst of steps.
+// The simulated time `t` is due when the wall clock shows `origin + t`. A world that is late runs at full
+// speed until the delay is made up. If the world is late by more than `tolerance`, the origin is shifted, and
+// the delay is counted as lost time. Without this shift, a stall would be followed by a burst of steps.
 class Pacer {
  public:
   explicit Pacer(Time tolerance) : tolerance_(tolerance) {}

@@ -27,7 +27,7 @@ class FaultPlayer {
   // at `start`. Calls `begins` for each new fault.
   void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
-  // Applies faults of joints and motors to `drives`, the motor drives in the step that begins at `start`.
+  // Applies faults of joints and motors. `drives` are the motor drives of the step that begins at `start`.
   void apply(Time start, std::span<MotorDrive, KZ_JOINTS> drives) const;
 
   // Saves or restores the complete state (archive.hpp).

@@ -52,7 +52,8 @@ class Recorder {
   void eyes(const Eyes::Digest& digest);
   // Sets the calibration that is recorded with each picture.
   void camera(const vision::CameraModel& model) { camera_ = model; }
-  // Records data for viewers: the robot's URDF, and the objects of the world without the robot's own frames.
+  // Records data for viewers. description() records the robot's URDF. scene() records the objects of the
+  // world, but not the visuals of the frames in `robot_frames`.
   void description(States at, std::string_view urdf);
   void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
   void transforms(States at, std::span<const ros::NamedPose> poses);

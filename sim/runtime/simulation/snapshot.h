@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A file begins with "KAZSTATE", the version (4 bytes) and the facts (options as pairs of name and value).
-// The length of the payload and the payload (state of all parts) follow. The file ends with the SHA-256 of
-// all earlier bytes, in hexadecimal.
+// The facts are followed by the length of the payload, and by the payload itself (state of all parts). The
+// file ends with the SHA-256 of all earlier bytes, in hexadecimal.
 #pragma once
 
 #include <cstdint>

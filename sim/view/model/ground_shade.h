@@ -18,8 +18,8 @@ struct PictureRectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-// Plane of a flat ground: all points x with normal . x = distance, in the world frame, m. The normal points
-// to the lit side.
+// Plane of a flat ground. All points `x` of the plane satisfy `normal . x = distance` (world frame, m). The
+// normal points to the lit side.
 struct GroundPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;

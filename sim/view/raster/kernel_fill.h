@@ -54,8 +54,8 @@ class Edge {
   std::int64_t column_, rest_, step_, rest_step_, divisor_;
 };
 
-// Calls span(row, first, end) for each row that contains covered sample centers. Sample centers outside the
-// columns left..right - 1 and the rows top..bottom - 1 are ignored.
+// Calls span(row, first, end) for each row that contains covered sample centers. Sample centers are
+// ignored unless they are in the columns `left .. right - 1` and in the rows `top .. bottom - 1`.
 template <class Span>
 static inline void scan(const Outline& t, int left, int top, int right, int bottom,
                         const Span& span) {
@@ -124,8 +124,8 @@ static inline Outline outline_of(const Vertices& v, std::uint32_t a, std::uint32
   return {{v.px[a], v.px[b], v.px[c]}, {v.py[a], v.py[b], v.py[c]}};
 }
 
-// Compares the depth of a primitive with the depth of samples first .. end - 1 of a row. Stores `number`, the
-// primitive's number, at the samples where the primitive is nearest.
+// Compares the depth of a primitive with the depth of the samples `first .. end - 1` of a row. Stores
+// `number`, the primitive's number, at the samples where the primitive is nearest.
 KAZ_LANES_INLINE void fill_span(Target& target, const Primitive& p, std::uint32_t number, int row,
                                 int first, int end) {
   const std::size_t begin =
@@ -180,8 +180,8 @@ static inline void fill_triangle(const FillJob& job, std::uint32_t a, std::uint3
   if (covers) job.primitives.push_back(p);
 }
 
-// Corner of a polygon during clipping: position (optical frame, m), and weights of the triangle's three
-// vertices for interpolation.
+// Corner of a polygon during clipping: position (optical frame, m), and three weights. The weights are used
+// to interpolate between the values at the triangle's three vertices.
 struct ClipCorner {
   std::array<double, 3> at;
   std::array<double, 3> weight;

@@ -71,7 +71,7 @@ struct Row {
   int number;
   const float* w;  // 1 / z of each sample
   Along ray, shadow;
-  float b2;  // the term 1 + (by y + b0)^2 of the squared ray length
+  float b2;  // the term `1 + (by * y + b0)^2` of the squared ray length
 };
 
 KAZ_LANES_INLINE Floats square(Floats x) {
@@ -169,7 +169,7 @@ KAZ_LANES_INLINE Floats dot(const Vector3& a, const Three& b) {
   return a.x * b[0] + a.y * b[1] + a.z * b[2];
 }
 
-// Shades untextured samples first .. end - 1, which may belong to several primitives.
+// Shades the untextured samples `first .. end - 1`, which may belong to several primitives.
 static inline void shade_plain(const Row& row, int first, int end, const RowScratch& scratch,
                                std::uint32_t* codes) {
   const Shading& s = row.s;
@@ -260,12 +260,14 @@ KAZ_LANES_INLINE Pattern texel_at(const TextureLevels& t, Floats u, Floats v, In
 // Texture coordinates of a primitive in a row of samples, and the differences of these coordinates within
 // blocks of 2 x 2 samples.
 struct TextureRow {
-  // Three functions of the column x, `at + by * (x - x0)`: u w, v w and w.
+  // The products `u * w` and `v * w`, and w itself. Each is a linear function of the column x:
+  // `at + by * (x - x0)`.
   Along plane;
   float x0;
-  // Between neighboring columns with depths w and w', u changes by (by_u w - by_w u w) / (w w'). This
-  // numerator is the same at all columns of a row. For neighboring rows, the formula is analogous. across_u
-  // and across_v are the numerators for neighboring columns in the upper row of the block.
+  // Let w and w' be the depths at two neighboring columns. Between these columns, u changes by
+  // `(by_u * w - by_w * u * w) / (w * w')`. The numerator of this fraction is the same at all columns of a
+  // row. For neighboring rows, the formula is analogous. across_u and across_v are the numerators for
+  // neighboring columns in the upper row of the block.
   float across_u, across_v;
   Slope down_u, down_v;    // numerators for neighboring rows: `at + by_x * (x - x0)`
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
@@ -343,9 +345,9 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
   return mix(one, texel_at(t, u, v, coarse), part);
 }
 
-// Returns the mip level if all samples first .. end - 1 have the same level. Returns -1 if the samples may
-// have several levels. The first and the last sample give the bounds, because w and the numerators are linear
-// functions of the column.
+// Returns the mip level if all samples `first .. end - 1` have the same level. Returns -1 if the samples may
+// have several levels. Bounds of the level are computed from the first and the last sample. Two samples are
+// enough, because w and the numerators are linear functions of the column.
 static inline int level_of_all(const TextureRow& t, const TextureLevels& texture, int first,
                                int end) {
   const float from = static_cast<float>(first & ~1) - t.x0;

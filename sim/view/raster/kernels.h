@@ -86,8 +86,8 @@ struct Surface {
 
 // A band of rows of the picture: for each sample, the depth and the number of the nearest primitive.
 struct Target {
-  int left = 0, right = 0;  // columns left .. right - 1 are drawn
-  int top = 0, bottom = 0;  // rows top .. bottom - 1
+  int left = 0, right = 0;  // the columns `left .. right - 1` are drawn
+  int top = 0, bottom = 0;  // the rows `top .. bottom - 1` are drawn
   // Length of a row in memory: all columns of the picture, from column 0 on, and kPad more elements.
   int stride = 0;
   std::vector<float> w;                  // depth of each sample; 0: background
@@ -124,8 +124,9 @@ using Three = std::array<float, 3>;
 struct Shading {
   std::vector<Surface> surfaces;
   std::vector<TextureLevels> textures;
-  // The ray to the sample (x, y) is ray0 + ray_x x + ray_y y in the world frame. In the optical frame, z of
-  // the ray is 1. The squared length of the ray is 1 + (ax x + a0)^2 + (by y + b0)^2.
+  // The ray to the sample (x, y) is ray0 + ray_x x + ray_y y in the world frame. In the optical frame,
+  // the ray has the z coordinate 1. The squared length of the ray is
+  // `1 + (ax * x + a0)^2 + (by * y + b0)^2`.
   Three ray0, ray_x, ray_y;
   float ax, a0, by, b0;
   Three to_key;
