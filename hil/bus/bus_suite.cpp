@@ -97,7 +97,7 @@ std::string missing_servo_text(unsigned missing) {
   add(kServoMotion, "needs --allow-motion");
   add(kServoEeprom, "needs --allow-eeprom");
   add(kServoAlone, "needs --alone, because the case reaches every servo at the port");
-  add(kServoModel, "this model or its firmware does not support it");
+  add(kServoModel, "this model or its firmware does not support the case");
   return text;
 }
 

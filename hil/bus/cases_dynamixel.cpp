@@ -115,8 +115,9 @@ void add_error_cases(ServoCases cases) {
   };
   cases.add("errors.instruction", "An unknown instruction gets error 2.", "packet",
             [error](ExaminedServo& servo) { error(servo, kUnknown, {}, kInstructionError); });
-  cases.add("errors.action", "An action without a reg write gets error 2.", "packet",
-            [error](ExaminedServo& servo) {
+  cases.add("errors.action",
+            "An action instruction without an earlier reg write instruction gets error 2.",
+            "packet", [error](ExaminedServo& servo) {
               equal("Registered Instruction",
                     servo.value(servo.table().row("Registered Instruction")), 0);
               error(servo, kAction, {}, kInstructionError);

@@ -54,11 +54,11 @@ void add_motion_cases(ServoCases cases, ServoFamily family) {
           servo.write(*table.find({"operation speed", "goal speed"}), turn / 12);
         } else {
           servo.write(table.row("Profile Velocity"), 22);
-          equal("error of switching the torque on", servo.write(torque, 1), 0);
+          equal("error code when the torque is switched on", servo.write(torque, 1), 0);
         }
         for (const long to : {start + way, start}) {
           const auto got = servo.answer(3, servo.write_of(goal.address, encode(table, goal, to)));
-          if (!feetech) equal("error of writing a goal", got.error & 0x7F, 0);
+          if (!feetech) equal("error code when a goal is written", got.error & 0x7F, 0);
           wait_for(servo, position, to, way);
         }
       },
@@ -68,7 +68,8 @@ void add_motion_cases(ServoCases cases, ServoFamily family) {
       "motion.eeprom-is-locked", "EEPROM cannot be written while the torque is on.", "packet",
       [](ExaminedServo& servo) {
         const ServoTable& table = servo.table();
-        equal("error of switching the torque on", servo.write(table.row("Torque Enable"), 1), 0);
+        equal("error code when the torque is switched on",
+              servo.write(table.row("Torque Enable"), 1), 0);
         const ServoRow& row = table.row("Moving Threshold");
         // The value that it has: nothing changes if it is taken.
         const auto got =

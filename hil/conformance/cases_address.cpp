@@ -111,7 +111,8 @@ void add_address_cases(Cases& all) {
       [](Board& b) { while_at(b, KZ_ADDRESS_LAST, 0, [&] { b.expect_alive(); }); }, kFlash);
   to.add(
       "shared-line",
-      "On a shared line, telemetry is refused, and the board does not report the capability.",
+      "On a shared line, telemetry is refused, and the board does not report the capability "
+      "TELEMETRY.",
       "ADDR-7",
       [](Board& b) {
         check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) != 0,

@@ -292,7 +292,7 @@ void add_safe(Chapter& to) {
 
 void add_restarts(Chapter& to) {
   to.add(
-      "reset", "`reset` replies, then restarts the board with cause COMMAND.", "BENCH-6",
+      "reset", "The board replies to `reset` and then restarts with cause COMMAND.", "BENCH-6",
       [](Board& b) {
         b.wait(100);
         const long before = b.state()["tick"];

@@ -52,7 +52,8 @@ void expect_valid(Board& b) {
     within("source", now["source"], KZ_CALIBRATION_A, KZ_CALIBRATION_B);
   } else {
     equal("source", now["source"], KZ_CALIBRATION_NOMINAL);
-    check(values_of(now) == nominal(), "the values are not nominal without a stored copy");
+    check(values_of(now) == nominal(),
+          "the board has no stored copy, but the values are not nominal");
   }
 }
 

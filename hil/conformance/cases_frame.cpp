@@ -127,7 +127,7 @@ void add_before(Chapter& to) {
            equal("frames that were too short", after["too_short"] - before["too_short"], 0);
            equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
          });
-  to.add("shared-zero", "One zero byte may end a frame and begin the next frame.", "FRAME-3",
+  to.add("shared-zero", "The same zero byte can end a frame and begin the next frame.", "FRAME-3",
          [](Board& b) {
            std::uint8_t first, second;
            Bytes wire = valid_frame(b, first);

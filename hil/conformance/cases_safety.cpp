@@ -318,7 +318,8 @@ void add_motors(Chapter& to) {
         const Reply counts = b.statistics();
         check(!counts.flag(KZ_STATUS_MISSED_TICK), "MISSED_TICK is set");
         equal("missed ticks", counts["missed_ticks"], 0);
-        check(!counts.flag(KZ_STATUS_UNCALIBRATED), "UNCALIBRATED is set after a store");
+        check(!counts.flag(KZ_STATUS_UNCALIBRATED),
+              "UNCALIBRATED is set after the calibration was stored");
       },
       kFlash);
 }

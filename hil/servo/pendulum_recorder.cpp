@@ -152,7 +152,7 @@ class Recorder {
     if (feetech() && KAZ_TRY(read("lock")) == 0)
       return wrong(Fault::usage,
                    "has an unlocked EEPROM, which would keep the changed gains: write 1 to its "
-                   "register lock");
+                   "register `lock`");
     return {};
   }
 

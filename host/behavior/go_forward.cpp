@@ -47,7 +47,7 @@ Result<Outcome> run(Context& context) {
   if (settings.balance && !(settings.use_gyro && KAZ_TRY(context.robot.sense_inertial())))
     return fail(Fault::usage,
                 "go-forward: balance needs the board's gyro and accelerometer, but the board has "
-                "none or gyro=ignore is set: give --imu, or balance=none");
+                "none, or gyro=ignore is set: give --imu, or balance=none");
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
   const double distance = context.options.number("distance");
   const motion::Motion& motion = walker.motion();

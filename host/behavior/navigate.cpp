@@ -36,8 +36,8 @@ constexpr Option kOptions[] = {
      "paths over floor that was not seen yet: costly doubles their cost, closed forbids such "
      "paths"},
     {"planner", "grid", "grid|ompl", 0, 0,
-     "grid searches cells and headings; ompl samples random poses (OMPL's ABIT*) and does not "
-     "support turns=paper"},
+     "grid: a search over cells and headings; ompl: random poses (OMPL's ABIT*), not valid with "
+     "turns=paper"},
     {"seconds", "600", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 

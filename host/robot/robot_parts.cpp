@@ -37,8 +37,9 @@ Result<void> check_joint(int joint) {
 
 Result<void> check_mask(std::uint32_t mask) {
   if (mask != 0 && (mask & ~kAllJoints) == 0) return {};
-  return fail(Fault::usage, "a mask of joints must have bits 0 to " +
-                                std::to_string(KZ_JOINTS - 1) + ", at least one");
+  return fail(Fault::usage,
+              "a mask of joints must have at least one bit set, and only bits from 0 to " +
+                  std::to_string(KZ_JOINTS - 1));
 }
 
 Robot::Parts::Parts(std::span<const RobotBoard> boards, Clock& on_clock,

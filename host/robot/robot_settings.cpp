@@ -66,8 +66,8 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
   const auto upper = to_wire<s16>(limits.upper_rad * KZ_ANGLE_PER_RAD);
   if (!ramp || *ramp < 1 || *ramp > KZ_RAMP_MAX || !lower || !upper || *lower > *upper) {
     return fail(Fault::usage,
-                "limits out of range: ramp 0.1..12 rad/s, angles -3.2768..3.2767 rad, the lower "
-                "not above the upper");
+                "limits out of range: ramp 0.1..12 rad/s, angles -3.2768..3.2767 rad; the lower "
+                "angle must not be above the upper angle");
   }
   const kz_limits message{mask, *ramp, *lower, *upper};
   const auto reply = parts_->query(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);

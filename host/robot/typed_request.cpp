@@ -124,7 +124,7 @@ const char* remedy(std::uint8_t reason) {
     case KZ_SHUTDOWN_POT:
       return "check the potentiometer's plug and cable";
     case KZ_SHUTDOWN_UNDERVOLTAGE:
-      return "charge the battery, or check for thin wires";
+      return "charge the battery, or use thicker supply wires";
     case KZ_SHUTDOWN_OVERVOLTAGE:
       return "use a supply of at most 12 V";
     case KZ_SHUTDOWN_TEMPERATURE:

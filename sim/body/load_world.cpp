@@ -120,7 +120,7 @@ Result<void> check_start(const std::string& path, const WorldModel& world,
           if (inside(one.shape, (body.pose * one.in_link).inverse() * at, kDeep))
             return fail(Fault::usage, path + ": the robot starts inside the model `" + body.model +
                                           "` (its link `" + link.rigid.name +
-                                          "`); move the model, or the robot by <kaz:robot pose>");
+                                          "`); move the model, or change the pose in <kaz:robot>");
     }
   }
   return {};

@@ -362,8 +362,8 @@ Result<CompareReport> compare_engines(const CompareOptions& options) {
       h8->global("kz_startup_found", 1).empty())
     return fail(Fault::usage,
                 options.image_path +
-                    " has no symbols of the servo's tick; put the .coff of the same " +
-                    "build beside the image");
+                    " has no symbols of the servo's tick; put the .coff file of the same "
+                    "build into the image's folder");
   if (options.prepare_h8) options.prepare_h8(*h8);
   KAZ_TRY(check_same_sources(*h8, options.image_path));
   return Comparison(options, *h8).run();

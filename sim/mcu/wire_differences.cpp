@@ -52,7 +52,8 @@ constexpr WireException exceptions[] = {
      "sampled between 800 and 7,300 states after a tick's due time; AN4 and AN5 are sampled at "
      "any time",
      "the same inputs in the same order, within 200 states of `h8`",
-     "the comparison changes voltages only at 15,000 states after a tick's due time"},
+     "the comparison changes a voltage only when 15,000 states have passed since a tick's due "
+     "time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
     {"a byte that a reset or a power cut interrupts", "its first bits reach the pin", "no bits",

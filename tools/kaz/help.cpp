@@ -106,7 +106,7 @@ std::string exit_status(const CLI::App& app, const std::string& differing) {
   if (statuses[0].find("Ctrl-C") != std::string::npos) statuses.erase(128);
   std::string all;
   for (const auto& [number, text] : statuses)
-    all += (all.empty() ? "" : ", ") + std::to_string(number) + " " + text;
+    all += (all.empty() ? "" : "; ") + std::to_string(number) + " " + text;
   return all + ".";
 }
 

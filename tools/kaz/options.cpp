@@ -92,8 +92,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
              "but each potentiometer has its own curve and offset, which calibration can measure");
   add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
-                  "physics engine: reduced is Kaz's own; exact and quickN use the Open Dynamics "
-                  "Engine, and quickN makes N iterations (1 to 1000)")
+                  "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; quickN: the "
+                  "Open Dynamics Engine with N iterations (1 to 1000)")
       ->type_name("reduced|exact|quickN")
       ->capture_default_str();
   verb.add_option("--physics-step", options.physics_step_ms,
@@ -114,8 +114,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
                   "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
       ->check(CLI::IsMember({320, 640}));
   add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
-             "renderer of the pictures: raster is Kaz's own; opengl is the reference, uses Mesa "
-             "and takes three times as long");
+             "raster: Kaz's own renderer of the pictures; opengl: the reference renderer, which "
+             "uses Mesa and takes three times as long");
   verb.add_option("--seed", options.seed,
                   "seed of all noise; the same seed gives identical results")
       ->transform(whole_number())

@@ -104,8 +104,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
-            "--allow-motion, the joints stay off and the board refuses the targets; the length of "
-            "the frames stays the same");
+            "--allow-motion, the joints stay off and the board refuses the targets, but the "
+            "requests have the same length");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
@@ -116,9 +116,9 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                                    "seconds on the emulated board. Joints: " +
                                        joints + ".\n"
                                  : std::string()) +
-               "Exit status: 0 all measurements are within the limits, 1 a measurement is outside "
-               "its limits, 2 wrong usage, 3 port error, or no verdict because this machine was "
-               "late or a motor was too warm.\n"
+               "Exit status: 0 all measurements are within the limits; 1 a measurement is outside "
+               "its limits; 2 wrong usage; 3 port error, or no verdict because this machine "
+               "caused delays or a motor was too warm.\n"
                "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
@@ -240,7 +240,8 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->footer(
       "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
       "of 6 s. "
-      "Use the logs of the middle gain as held-out logs. During the recording, the D gain, I gain "
+      "Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
+      "During the recording, the D gain, I gain "
       "and minimum duty are 0; then Kaz restores their values. Ctrl-C, an exceeded limit or a lost "
       "servo ends the recording. Kaz then switches the torque off, restores the registers and "
       "writes no file.\n"

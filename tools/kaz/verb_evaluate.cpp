@@ -297,12 +297,14 @@ void add_evaluate(CLI::App& program, Action& action) {
                    ->check(between(0.01, 5.0, "N s"))
                    ->type_name("NS");
   add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "direction of the pushes; with sides or around, a direction is drawn for each push")
+             "direction of the pushes; the values sides and around choose a random direction for "
+             "each push")
       ->needs(push);
   verb->add_option(
           "--push-from", pushes.from_s,
-          "time of the first push, in s after the robot's first step. With stand, get-up, "
-          "search-ball and track-ball, the time is in s after the start, and the default is 1")
+          "time of the first push, in s after the robot's first step. For the behaviors stand, "
+          "get-up, search-ball and track-ball, the time counts from the start of the run, and the "
+          "default is 1")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")

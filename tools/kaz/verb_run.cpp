@@ -222,7 +222,8 @@ void add_run(CLI::App& program, Action& action) {
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str(
-      "world catch for catch-ball, world boxes for navigate, world ball for other behaviors");
+      "the world catch for the behavior catch-ball, the world boxes for navigate, and the world "
+      "ball for other behaviors");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {

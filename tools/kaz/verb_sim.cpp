@@ -125,9 +125,9 @@ void add_sim(CLI::App& program, Action& action) {
                    "write the eyes' calibration in OpenCV's format (YAML); without --serial, write "
                    "only this file")
       ->type_name("FILE");
-  verb->add_flag(
-      "--suspended", arguments->backend.suspended,
-      "hang the robot by its trunk with free feet, as for kaz calibrate joints --only stops");
+  verb->add_flag("--suspended", arguments->backend.suspended,
+                 "hang the robot by its trunk, so that its feet are free, as for kaz calibrate "
+                 "joints --only stops");
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");

@@ -74,7 +74,7 @@ Result<void> check_options(const DepthOptions& o) {
   if (!(o.nearest_m > 0)) return fail(Fault::usage, "depth: nearest_m must be above 0");
   if (o.min_texture < 0 || o.uniqueness_percent < 0 || o.uniqueness_percent > 100)
     return fail(Fault::usage,
-                "depth: min_texture must be 0 or more and uniqueness_percent 0 to 100");
+                "depth: min_texture must be at least 0, and uniqueness_percent must be 0 to 100");
   return {};
 }
 

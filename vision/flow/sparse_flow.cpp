@@ -17,12 +17,12 @@ Result<void> check_options(const SparseFlowOptions& o) {
   if (o.window_px < 5 || o.window_px > 51 || o.window_px % 2 == 0)
     return fail(Fault::usage, "sparse flow: window_px must be odd and 5 to 51");
   if (o.max_points < 1 || o.levels < 0 || o.levels > 8)
-    return fail(Fault::usage, "sparse flow: max_points must be above 0, levels 0 to 8");
+    return fail(Fault::usage, "sparse flow: max_points must be above 0, and levels must be 0 to 8");
   if (!(o.min_quality > 0 && o.min_quality < 1) || !(o.min_separation_px >= 0) ||
       !(o.max_return_px > 0))
     return fail(Fault::usage,
-                "sparse flow: min_quality must be between 0 and 1, min_separation_px 0 or more, "
-                "max_return_px above 0");
+                "sparse flow: min_quality must be between 0 and 1, min_separation_px must be at "
+                "least 0, and max_return_px must be above 0");
   return {};
 }
 

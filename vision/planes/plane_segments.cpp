@@ -34,9 +34,10 @@ Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
     return fail(Fault::usage,
                 "planes: the camera model has no focal length or no baseline: calibrate the eyes");
   if (o.triples < 1 || o.triples > 1'000'000 || o.max_planes < 1 || o.max_planes > kMaxPlanes)
-    return fail(Fault::usage, "planes: triples must be 1 to 1000000 and max_planes 1 to 16");
+    return fail(Fault::usage,
+                "planes: triples must be 1 to 1000000, and max_planes must be 1 to 16");
   if (!positive(o.tolerance_px) || !(o.min_share >= 0 && o.min_share <= 1))
-    return fail(Fault::usage, "planes: tolerance_px must be above 0 and min_share between 0 and 1");
+    return fail(Fault::usage, "planes: tolerance_px must be above 0, and min_share must be 0 to 1");
   return {};
 }
 

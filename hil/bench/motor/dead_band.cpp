@@ -74,7 +74,7 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
                 mean.error * *slope_nm_per_v);
   } else {
     judge.leave_out(motor.name(), "friction.breakaway",
-                    "this measurement needs stall.slope in the same run");
+                    "this measurement needs a value of stall.slope from the same run");
   }
   judge.add({"dead_band",
              motor.name(),

@@ -43,7 +43,7 @@ std::vector<Part> parts_of(double supply_volts, Found& found) {
          found.reversed = !measure_direction(motor, judge, found.enter_direction);
        }},
       {"noise of the potentiometer", {"pot.noise"}, false, false, measure_potentiometer_noise},
-      {"line of the potentiometer",
+      {"scale and linearity of the potentiometer",
        {"pot.linearity", "pot.scale", "pot.offset"},
        true,
        false,

@@ -141,7 +141,7 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double>
                 line.at_zero_error * worth);
   } else {
     judge.leave_out(motor.name(), "friction.running",
-                    "this measurement needs stall.slope in the same run");
+                    "this measurement needs a value of stall.slope from the same run");
   }
   judge.add(speed_plot(motor.name(), points, line));
   judge.add(start_plot(motor.name(), shown));

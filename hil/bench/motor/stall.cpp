@@ -260,7 +260,7 @@ void measure_heat(MotorOnBench& motor, BenchJudge& judge, double supply_volts) {
   judge.doubt(first, (1 + missing) * (1 + missing), was_warm(gain));
   judge.add({"thermal",
              motor.name(),
-             "Torque of a pressing motor",
+             "Torque at the clamped shaft",
              "duration of pressing at 6.5 V, s",
              "torque, Nm",
              false,

@@ -37,7 +37,8 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
               {"power on|off",
                "switch the supply of all servos on or off; \"power off\" clears the servos' RAM"},
               {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
-              {"damage SHARE", "set the share of bytes with one wrong bit, 0 to 1"},
+              {"damage SHARE",
+               "set the share of damaged bytes (0 to 1); a damaged byte has one wrong bit"},
               {"turn JOINT DEGREES",
                "turn a joint by hand to this angle; its torque must be off; \"turn off\" releases "
                "all joints"},

@@ -75,9 +75,9 @@ void print(const Recovered& result, const std::string& port) {
               motors(result.status_before).c_str(),
               shutdown(result.status_before).empty() ? "" : ", shut down: ",
               shutdown(result.status_before).c_str());
-  for (const std::string& one : result.done) std::printf("put back: %s\n", one.c_str());
+  for (const std::string& one : result.done) std::printf("restored: %s\n", one.c_str());
   for (const std::string& one : result.notes) std::printf("note: %s\n", one.c_str());
-  for (const std::string& one : result.left) std::printf("not put back: %s\n", one.c_str());
+  for (const std::string& one : result.left) std::printf("not restored: %s\n", one.c_str());
   if (result.left.empty())
     std::printf(
         "reset; now at address %d, motors off%s%s\n", result.address,
@@ -189,7 +189,7 @@ Result<bool> recover(const RecoverOptions& options) {
     std::string done;
     for (const std::string& one : result.done) done += (done.empty() ? "" : ", ") + one;
     return fail(Fault::interrupted,
-                "interrupted before the board on " + port.name() + " was recovered; put back: " +
+                "interrupted before the board on " + port.name() + " was recovered; restored: " +
                     (done.empty() ? "nothing" : done) + "; give the same command again");
   }
   if (result.left.empty()) remove_notes(options.from);

@@ -279,8 +279,9 @@ class Measurer {
                          : "a second or more");
     }
     add_of("offset", "deg", "mean of angle minus command", 0.2, 1 / kDegree, &Following::offset);
-    add_of("scatter", "deg", "root mean square of the error that remains without lag and offset",
-           0.1, 1 / kDegree, &Following::rest);
+    add_of("scatter", "deg",
+           "root mean square of the error that remains after lag and offset are removed", 0.1,
+           1 / kDegree, &Following::rest);
   }
 
   void supply() {

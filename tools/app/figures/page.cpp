@@ -43,9 +43,10 @@ constexpr PaperFigure kPaperFigures[] = {
      "exposure, and with the pose of the eyes when the result arrives. Black lines are the true "
      "edges of the boxes, which are unknown to the robot."},
     {8, "Vision based behavior program in simulation world and real world",
-     "Search-ball, track-ball and catch-ball, in the simulation and by the real robot.",
-     "The simulated catch. Below each view is the picture of the left eye. There was no real "
-     "robot."},
+     "The behaviors search-ball, track-ball and catch-ball, in the simulation and on the real "
+     "robot.",
+     "The simulated catch. Below each view is the picture of the left eye. No real robot was "
+     "used."},
 };
 
 const char* const kStyle = R"(
