@@ -105,8 +105,12 @@ Complaint try_can(Bytes bytes) {
         bus.far.erase(send_id);
         break;
     }
+    // On a late machine, the link gives up a message after 0.2 s and opens a new socket; the bytes in the old
+    // socket are lost.
+    const int far = bus.far[send_id].get();
     failed = !read_all(**link, got) || failed;
-    if (!failed && got != expected) return "the received bytes differ from the delivered bytes";
+    if (!failed && got != expected && bus.far[send_id].get() == far)
+      return "the received bytes differ from the delivered bytes";
     if (failed && (*link)->read({}, host::WallClock().now())) return "a lost link reads";
     if (failed && !(*link)->reopen()) return "an interface that is there was not opened again";
     if (!bus.far[send_id] && !(*link)->write(frame_to(1))) return "a new socket takes no frame";
