@@ -58,8 +58,8 @@ class BodyControl {
   Time newest_exposure() const { return newest_exposure_; }
   // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of consecutive images, up to the newest one, whose observations ball() used. An image without such
-  // an observation resets this number to 0.
+  // Number of consecutive images from which ball() used an observation. An image without such an observation
+  // resets this number to 0.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
   // The newest observation that ball() used.

@@ -3,10 +3,10 @@
 //
 // Requests leave in the order in which they were posted. Up to KZ_REQUESTS_UNDER_WAY requests may be pending.
 // A retry has the sequence number of the first transmission. The board recognizes a retry by its sequence
-// number and does not execute the request twice. A request is repeated at its timeout (round_trip.h). A
-// request is also repeated if a later request is answered first, because a board answers in order. A reply
-// must match a pending request in board address, type and sequence number. All other valid frames (late,
-// duplicate, from another board) are counted and discarded.
+// number and does not execute the request twice. A request is repeated at its timeout (round_trip.h). A board
+// answers in order. If a later request is answered first, the earlier request is repeated. A reply must match
+// a pending request in board address, type and sequence number. All other valid frames (late, duplicate, from
+// another board) are counted and discarded.
 //
 // Some requests only switch motors off: `stop`, `enable` with mask 0, `unlock` with 0 seconds, and
 // `raw_drive` with duty 0. Each transmission of such a request has a new sequence number, because a board

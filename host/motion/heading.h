@@ -19,8 +19,8 @@ class Heading {
  public:
   Heading();
 
-  // Adds a sample, in order of time. `still`: the robot stands without a command, so the rate is the gyro's
-  // zero. `upright`: cosine of the trunk's lean.
+  // Adds a sample, which must be later than the previous sample. `still`: the robot stands without a command,
+  // so the rate is the gyro's zero. `upright`: cosine of the trunk's lean.
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }

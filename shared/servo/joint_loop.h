@@ -41,10 +41,10 @@ extern "C" {
 // a step of the speed, so full drive raises the filtered rate by at most 3,420.
 #define KZ_FAR_FROM_LIMIT 3100
 
-// Runs one tick for KZ_JOINTS joints. Updates angle and rate from the A/D codes, and ramp, duty and
-// direction of joints that are on. Joints that are off, and joints with a potentiometer out of range, get
-// duty 0. Returns 0, or a shutdown request with KZ_SHUTDOWN_* in the upper byte and the joint number in the
-// lower byte.
+// Runs one tick for KZ_JOINTS joints. Computes the angle and rate of each joint from the A/D codes. If a
+// joint is on, also updates its ramp, duty and direction. Joints that are off, and joints with a
+// potentiometer out of range, get duty 0. Returns 0, or a shutdown request with KZ_SHUTDOWN_* in the upper
+// byte and the joint number in the lower byte.
 u16 kz_joint_loop(kz_joint* joint, const u16* analog);
 
 // Runs kz_joint_loop on the servo's joints.

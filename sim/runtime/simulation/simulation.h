@@ -162,9 +162,9 @@ class Simulation {
   Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
   // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
-  // generators and time. The recording is not part of the state and continues. save() waits for pictures that
-  // are being rendered. Fails if the simulation has failed, or if a part of the simulation, such as a test
-  // double, cannot be saved.
+  // generators and time. The state does not contain the recording. A recording in progress continues after
+  // save(). save() waits for pictures that are being rendered. Fails if the simulation has failed, or if a
+  // part of the simulation, such as a test double, cannot be saved.
   Result<std::vector<std::uint8_t>> save();
   // Restores a saved state. This simulation then continues exactly like the saved simulation. Both
   // simulations must have the same options and the same build. `blob` may be damaged or hostile: indices,
