@@ -107,7 +107,7 @@ TEST(ManualStand, PromptsAgainWithoutANumber) {
   person.answers = {"", "two", "1.2 Nm", "nan", "1.2"};
   EXPECT_EQ(*person.stand.scale_nm(kJoint), 1.2);
   ASSERT_EQ(person.prompts.size(), 5u);
-  EXPECT_EQ(person.prompts[1].rfind("Not a number: type one such as -0.95. What did", 0), 0u)
+  EXPECT_EQ(person.prompts[1].rfind("Not a number: type one such as -0.95. Value on", 0), 0u)
       << person.prompts[1];
 }
 

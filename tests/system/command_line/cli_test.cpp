@@ -142,8 +142,9 @@ TEST(Cli, EachHelpHasTheExitStatusBeforeTheExamples) {
     const std::string help = run({"/bin/sh", "-c", kaz({}).front() + " " + verb + " --help"}).out;
     const auto status = help.find("\nExit status: 0 ");
     ASSERT_NE(status, std::string::npos) << help;
-    EXPECT_NE(help.find(" 2 wrong usage", status), std::string::npos) << help;
-    EXPECT_NE(help.find(" 128 +", status), std::string::npos) << help;  // a line may end there
+    // A line may end in both texts.
+    EXPECT_NE(help.find("; 2", status), std::string::npos) << help;
+    EXPECT_NE(help.find("128 +", status), std::string::npos) << help;
     EXPECT_LT(status, help.find("\nExamples:\n")) << help;
   }
   // These end so by design.
@@ -226,7 +227,7 @@ TEST(Cli, ManualPagesAreMadeOfTheHelp) {
   EXPECT_EQ(page.exit_code, 0) << page.err;
   EXPECT_EQ(page.out.rfind(".TH KAZ-MCU-COMPARE 1", 0), 0u) << page.out;
   EXPECT_NE(page.out.find("\\-\\-ticks"), std::string::npos) << page.out;
-  EXPECT_NE(page.out.find(".SH EXIT STATUS\n0 equal, 1 "), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find(".SH EXIT STATUS\n0 equal; 1 "), std::string::npos) << page.out;
   EXPECT_NE(page.out.find(".SH EXAMPLES\n"), std::string::npos) << page.out;
   EXPECT_NE(run(kaz({"man", "mcu", "run"})).out.find("kaz mcu run [OPTIONS] IMAGE\n"),
             std::string::npos);

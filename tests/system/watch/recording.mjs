@@ -143,11 +143,14 @@ try {
   // A browser that is far behind misses pictures of a recording of 3 s, and the last one is not sent again.
   const seen = () => other.page.evaluate(() => document.getElementById("left").naturalWidth >= 320
     && document.getElementById("right").naturalWidth >= 320 && document.getElementById("no-eyes").hidden);
-  for (let i = 0; i < 100 && !await seen(); ++i) {
-    if (i % 10 === 9) await other.page.click("#restart");
-    await other.page.waitForTimeout(1000);
+  // While an element loads its next picture, its width is 0.
+  let both = await seen();
+  for (let i = 0; i < 1000 && !both; ++i) {
+    if (i % 100 === 99) await other.page.click("#restart");
+    await other.page.waitForTimeout(100);
+    both = await seen();
   }
-  assert(await seen(), "no pictures of the eyes");
+  assert(both, "no pictures of the eyes");
   assert.match(await saved(other.page, "#save-eyes", 640, 240), /^kaz-eyes-/);
   await other.player.stop();
   assert.deepEqual(wrong, [], "errors in the console");
