@@ -19,6 +19,9 @@ export async function launch() {
 export async function open(browser, url, wrong, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1000, height: 600 }, ...options });
   page.setDefaultTimeout(kHang_ms);
+  // 12 pictures per second: drawn by software, more of them would take most of the test's processor time. The page
+  // lowers its quality at less than 11.
+  await page.addInitScript(() => { window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 80); });
   page.on("console", (message) => {
     // The browser itself reports each attempt while the program is away.
     if (message.type() === "error" && !message.text().includes("ERR_CONNECTION_REFUSED")) wrong.push(message.text());
