@@ -6,13 +6,13 @@
 Runs N targets at a time. SECONDS of N cores are divided equally between the targets; --each is the time of
 each target. Both are CPU time: beside other programs a target runs for longer, not for less.
 
-OUT/runs.jsonl records CPU time and executions of each target every minute, with the target's version: a hash
-of the code of its parsers and of its own, without comments. A target that has had its time in its present
-version is not run again, so the same command continues an interrupted campaign; more SECONDS extend it. The
-corpus in OUT/NAME grows from run to run. A failing input stays in OUT/NAME-crash-* and the like, its log in
-OUT/NAME-found-*.log, and the other targets go on. --status lists the recorded time. --table measures how
-much of each parser the corpora and the seeds reach, and writes the targets' rows of the table in
-docs/howto/fuzzing.md.
+OUT/runs.jsonl records CPU time and executions of each target every minute, with the target's version: a
+hash of the code of its parsers and of its own, without comments and includes. A target that has had its
+time in its present version is not run again, so the same command continues an interrupted campaign; more
+SECONDS extend it. The corpus in OUT/NAME grows from run to run. A failing input stays in OUT/NAME-crash-*
+and the like, its log in OUT/NAME-found-*.log, and the other targets go on. --status lists the recorded
+time. --table measures how much of each parser the corpora and the seeds reach, and writes the targets' rows
+of the table in docs/howto/fuzzing.md.
 
 Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
 missing, 130 interrupted, nothing found."""
@@ -62,10 +62,10 @@ def manifest():
 
 @functools.cache
 def code(path):
-    """The file without comments and layout: what they say needs no new campaign."""
+    """The file without comments, layout and includes: a change of these needs no new campaign."""
     bare = subprocess.run(["g++", "-fpreprocessed", "-dD", "-E", "-P", "-x", "c++", path],
                           capture_output=True, check=True).stdout
-    return b" ".join(bare.split())
+    return b" ".join(re.sub(rb"^#include .*(?<!\.def\")$", b"", bare, flags=re.M).split())
 
 
 def version(name, target, reads):
@@ -76,7 +76,8 @@ def version(name, target, reads):
     own = sorted([*folder.parent.glob("*.cpp"), *folder.parent.glob("*.h")])
     defined = [path for path in own if re.search(rf"^Complaint try_{name}\(", path.read_text(), re.M)]
     parsers = [ROOT / file for file, used in reads.items() if name in used]
-    content = b"".join(hashlib.sha256(code(path)).digest() for path in [*(defined or own), *parsers])
+    # Sorted by content: a file may move.
+    content = b"".join(sorted(hashlib.sha256(code(path)).digest() for path in [*(defined or own), *parsers]))
     return hashlib.sha256(content).hexdigest()[:8]
 
 
