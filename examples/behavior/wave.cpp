@@ -1,4 +1,4 @@
-// wave: raises the right arm and waves. A behaviour outside of Kaz's tree, which `kaz run ./wave.so` loads.
+// wave: raises the right arm and waves. A behavior outside of Kaz's tree, which `kaz run ./wave.so` loads.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <span>

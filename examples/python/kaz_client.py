@@ -300,7 +300,7 @@ def move(board, joint, angle, seconds):
         print(f"the board had shut down: {SHUTDOWNS.get(reason, reason)}")
     board.request(CLEAR)
     if joint < 2:
-        # The neck carries nothing: softer than after a reset (16 /rad, 0.09 s/rad), as behaviours
+        # The neck carries nothing: softer than after a reset (16 /rad, 0.09 s/rad), as behaviors
         # have it.
         board.gains([joint], 12, 0.15)
     board.request(ENABLE, struct.pack(">I", 1 << joint))

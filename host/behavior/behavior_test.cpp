@@ -165,7 +165,7 @@ TEST(ControlCycle, ReportsThatTheLinkWasLost) {
     ASSERT_TRUE(input) << input.error().message;
     EXPECT_FALSE(input->resumed);
   }
-  ASSERT_TRUE(board.sleep_until(board.now() + 200ms));  // a behaviour that thinks for too long
+  ASSERT_TRUE(board.sleep_until(board.now() + 200ms));  // a behavior that thinks for too long
   const auto input = cycle.next(target);
   ASSERT_TRUE(input) << input.error().message;
   ASSERT_TRUE(input->resumed);

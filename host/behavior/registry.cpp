@@ -1,4 +1,4 @@
-// The table of all behaviours, from behaviors.def.
+// The table of all behaviors, from behaviors.def.
 // SPDX-License-Identifier: Apache-2.0
 #include <vector>
 

@@ -261,7 +261,7 @@ Result<void> read_stops(host::Robot& robot, const MotionGroup& group, const OnRe
 
 Result<void> read_floor(host::Robot& robot, const Lines& lines, const OnReading& on,
                         std::vector<FloorReading>& readings) {
-  // As behaviours hold the robot (host/behavior/control_cycle.h).
+  // As behaviors hold the robot (host/behavior/control_cycle.h).
   KAZ_TRY(robot.set_gains(host::kAllJoints & ~kHands & ~kNeck,
                           {.kp_per_rad = 20, .kd_s_per_rad = 0.15}));
   KAZ_TRY(robot.set_gains(kHands, {.kp_per_rad = 0.8, .kd_s_per_rad = 0.15}));

@@ -1,4 +1,4 @@
-// A behaviour from start to end, as `kaz run` has it.
+// A behavior from start to end, as `kaz run` has it.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/behavior.h"
 

@@ -1,4 +1,4 @@
-// The Python module kaz._kaz: simulation, robot, vision, recordings, behaviours.
+// The Python module kaz._kaz: simulation, robot, vision, recordings, behaviors.
 // SPDX-License-Identifier: Apache-2.0
 #include "python/src/python.h"
 

@@ -1,4 +1,4 @@
-# The package kaz: behaviours run to their end, and their recordings are read.
+# The package kaz: behaviors run to their end, and their recordings are read.
 # SPDX-License-Identifier: Apache-2.0
 import json
 import pathlib

@@ -1,4 +1,4 @@
-# Behaviours, vision and hil get nothing of the simulator's, and do not query whether there is one.
+# Behaviors, vision and hil get nothing of the simulator's, and do not query whether there is one.
 # SPDX-License-Identifier: Apache-2.0
 """usage: independent.py ROOT
 
@@ -24,7 +24,7 @@ WORD = re.compile(
     r"|(?<![A-Za-z:])native|virtual_?(?:board|robot)|pseudo\w*|control_socket|\.ctl\b", re.I)
 SENTENCE = "an error's sentence for a user of `kaz sim`; nothing depends on it"
 STANDS_IN = "stands in for the lines DTR and RTS, reset and mode pins, which no pty has"
-FAULTS = "the vocabulary of injected faults; no behaviour includes it"
+FAULTS = "the vocabulary of injected faults; no behavior includes it"
 PACE = "when results come: after declared latencies, as of recorded pictures, or as soon as they are there"
 # The file -> the words that it may have, and why.
 PLACES = {
@@ -55,7 +55,7 @@ PLACES = {
     "vision/pipeline/pipeline.h": ({"lockstep"}, PACE),
 }
 
-# In tools: who takes the simulation out of a backend, how often, and for what. Behaviours see none of it.
+# In tools: who takes the simulation out of a backend, how often, and for what. Behaviors see none of it.
 TAKERS = {
     "tools/app/session/session.cpp": (
         6, "recording, pictures from outside, also of the start, the judges' view, the result's facts"),
@@ -128,17 +128,17 @@ def check_takers():
         if count != allowed:
             faults.append(f"{name}: takes the simulation out of a session's backend in {count} places, and "
                           f"tests/repository/independent.py has {allowed}: whatever is taken must not reach "
-                          "behaviours or vision")
+                          "behaviors or vision")
     for name in TAKERS:
         if not (ROOT / name).exists():
             faults.append(f"tests/repository/independent.py: there is no {name}")
-    # What a behaviour is given is assembled in one function, without the simulation.
+    # What a behavior is given is assembled in one function, without the simulation.
     begin = code("tools/app/session/session.cpp").split("behavior::Context context{", 1)
     if len(begin) != 2:
         faults.append("tools/app/session/session.cpp: `behavior::Context context{` is not found, where a "
-                      "behaviour gets what it has")
+                      "behavior gets what it has")
     elif re.search(r"simulation|world|\bsim::", begin[1].split("std::optional<RunProfiler>", 1)[0]):
-        faults.append("tools/app/session/session.cpp: a behaviour's context has something of the simulation")
+        faults.append("tools/app/session/session.cpp: a behavior's context has something of the simulation")
 
 
 check_includes()

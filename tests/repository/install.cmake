@@ -80,7 +80,7 @@ endif()
 execute_process(COMMAND sh -c "PKG_CONFIG_PATH=$(dirname $(find ${prefix} -name kaz-h8s.pc)) && export PKG_CONFIG_PATH && \
   c++ -std=c++20 ${SOURCE}/sim/h8s/example/example.cpp $(pkg-config --cflags --libs kaz-h8s) \
   -o ${BINARY}/by_pkg_config && ${BINARY}/by_pkg_config" COMMAND_ERROR_IS_FATAL ANY)
-# A behaviour of somebody's own, with the installed headers.
+# A behavior of somebody's own, with the installed headers.
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/examples/behavior -B ${BINARY}/behavior -G Ninja
                         -DCMAKE_PREFIX_PATH=${prefix}
                 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)

@@ -1,4 +1,4 @@
-# What `./tools/dev release` writes, tried on a small repository whose program is /bin/true.
+# Tests of `./tools/dev release` with a small repository whose program is /bin/true.
 # SPDX-License-Identifier: Apache-2.0
 """usage: release_test.py ROOT SCRATCH
 

@@ -165,7 +165,7 @@ LAYERS = {
 # The emulator can be used alone: of other parts it includes only these.
 ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp", "shared/base/descriptor.hpp",
                     "shared/base/files.hpp", "shared/base/result.hpp", "shared/image/image.h")}
-# A judge shares no code with behaviours: of host it includes only what they report through.
+# A judge shares no code with behaviors: of host it includes only what they report through.
 JUDGE, JUDGE_MAY = "tools/app/evaluate/judge", tuple(
     f"host/behavior/{name}.h" for name in ("behavior", "options", "sink"))
 TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp|/oracle\w*\.(cpp|h))$")

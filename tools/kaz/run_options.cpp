@@ -18,7 +18,7 @@
 namespace kaz::tools {
 namespace {
 
-// Errors: the behaviour ends by itself; the text is no number that it takes; `set` is another one.
+// Errors: the behavior ends by itself; the text is no number that it takes; `set` is another one.
 Result<void> check_duration(const behavior::Behavior& behavior, const std::string& text,
                             const std::map<std::string, std::string>& set) {
   const auto option =
@@ -39,7 +39,7 @@ bool has_option(const behavior::Behavior& behavior, std::string_view option) {
   return std::ranges::count(behavior.options, option, &behavior::Option::name) > 0;
 }
 
-// Errors: this behaviour has no use for --`option`.
+// Errors: this behavior has no use for --`option`.
 Result<void> check_has(const behavior::Behavior& behavior, const std::string& option) {
   if (has_option(behavior, option)) return {};
   std::string names;

@@ -1,4 +1,4 @@
-// `kaz evaluate`: many episodes of a behaviour, and how many succeed.
+// `kaz evaluate`: many episodes of a behavior, and how many succeed.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// `kaz run`: one behaviour on a real or virtual robot.
+// `kaz run`: one behavior on a real or virtual robot.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
@@ -25,7 +25,7 @@ std::string behavior_names() {
   return names;
 }
 
-// Which behaviours have the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
+// Which behaviors have the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
 std::string timed_behaviors() {
   std::string list;
   for (const auto& behavior : behavior::behaviors()) {
@@ -44,7 +44,7 @@ constexpr const char* kVirtualOnly[] = {
     "--no-imu",    "--dynamics", "--physics-step",    "--supply",        "--eyes",
     "--eye-width", "--renderer", "--record-pictures", "--restore-every", "--memory"};
 
-// Errors: nothing is drawn at a port. Behaviours that look choose the side on which they begin by the seed,
+// Errors: nothing is drawn at a port. Behaviors that look choose the side on which they begin by the seed,
 // and so may plug-ins; faults of the line have chances.
 Result<void> check_seed(const CLI::App& verb, const std::string& behavior,
                         const std::string& robot) {
@@ -85,7 +85,7 @@ Result<void> check_alone(const CLI::App& verb) {
   return {};
 }
 
-// A behaviour and its options.
+// A behavior and its options.
 std::string behavior_text(const behavior::Behavior& behavior) {
   std::string text = "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
   for (const auto& option : behavior.options) {
@@ -95,7 +95,7 @@ std::string behavior_text(const behavior::Behavior& behavior) {
   return text;
 }
 
-// Options that stand for one of a behaviour's. Help shows them with the behaviours that have it.
+// Options that stand for one of a behavior's. Help shows them with the behaviors that have it.
 struct Shortcut {
   const char *option, *sets;
 };
@@ -125,7 +125,7 @@ constexpr const char* kExamples[] = {
     "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
     "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"};
 
-// Those of the behaviour; of all, if null.
+// Those of the behavior; of all, if null.
 std::string examples_of(const behavior::Behavior* behavior) {
   std::string examples;
   const std::string begin = behavior ? "  kaz run " + std::string(behavior->name) : "";
@@ -139,7 +139,7 @@ std::string examples_of(const behavior::Behavior* behavior) {
   return begin + " --set " + std::string(first.name) + "=" + std::string(first.initial) + "\n";
 }
 
-// What help says after the options: of a behaviour its own options, else which behaviours there are.
+// What help says after the options: of a behavior its own options, else which behaviors there are.
 std::string footer(const behavior::Behavior* behavior) {
   std::string text;
   if (behavior != nullptr) {

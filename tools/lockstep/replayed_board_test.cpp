@@ -13,7 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A small behaviour: moves the neck and looks at what its eyes see. `first_byte` sums what it saw.
+// A small behavior: moves the neck and looks at what its eyes see. `first_byte` sums what it saw.
 struct Behavior {
   double target = 0.3;
   unsigned pairs = 0, first_byte = 0;

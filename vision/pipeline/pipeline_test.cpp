@@ -110,7 +110,7 @@ void hear(Pipeline& pipeline, const std::string& module, Heard& heard) {
       }));
 }
 
-// Of the ball, as a behaviour has it.
+// Of the ball, as a behavior has it.
 struct Balls {
   explicit Balls(const PipelineOptions& options, Time latency = milliseconds(5))
       : pipeline(options) {

@@ -152,7 +152,7 @@ TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
   EXPECT_GT(fastest, 6);
 }
 
-// The head on its pan joint: light, bearing nothing, free in the gap. At the gains of the behaviours (12 of
+// The head on its pan joint: light, bearing nothing, free in the gap. At the gains of the behaviors (12 of
 // full drive per rad, 0.15 s/rad) and at those after a reset the gear comes to rest: what moves is within the
 // gap and one step of the potentiometer.
 TEST(Neck, RestsInTheBacklashOfItsGear) {

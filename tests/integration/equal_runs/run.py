@@ -69,7 +69,7 @@ def main():
     parser.add_argument("--out", required=True, type=pathlib.Path, help="folder for recordings")
     parser.add_argument("--runs", type=int, default=20)
     parser.add_argument("--behavior", default="track-ball")
-    parser.add_argument("--duration", default="", help="seconds, for behaviours that take them")
+    parser.add_argument("--duration", default="", help="seconds, for behaviors that take them")
     parser.add_argument("--mcu", default="h8")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-// Runs a walking behaviour on a virtual robot and measures the outcome.
+// Runs a walking behavior on a virtual robot and measures the outcome.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/walking/course.h"
 
@@ -127,7 +127,7 @@ class Observer final : public behavior::Sink {
   std::uint64_t pushes_ = 0;
 };
 
-// A lockstep clock that lets the observer measure at each wait and ends the behaviour after a fall.
+// A lockstep clock that lets the observer measure at each wait and ends the behavior after a fall.
 class ObservedClock final : public host::Clock {
  public:
   ObservedClock(sim::Simulation& simulation, Observer& observer)

@@ -1,4 +1,4 @@
-// walking_table: many episodes of the walking behaviours, and their tables.
+// walking_table: many episodes of the walking behaviors, and their tables.
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
 

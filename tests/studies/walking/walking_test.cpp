@@ -1,4 +1,4 @@
-// A few episodes of the walking behaviours through host, wire and emulated firmware; and the scoring.
+// A few episodes of the walking behaviors through host, wire and emulated firmware; and the scoring.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
@@ -51,7 +51,7 @@ TEST(Walking, GetsUpFromItsBack) {
   EXPECT_FALSE(out.fell);
 }
 
-// Pushed over while walking: the behaviour detects the fall, reports it and switches the motors off.
+// Pushed over while walking: the behavior detects the fall, reports it and switches the motors off.
 TEST(Walking, DetectsAFallAndGoesLimp) {
   Trial variant = trial("walk 1 m");
   variant.options["distance"] = "0.3";

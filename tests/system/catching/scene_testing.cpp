@@ -1,4 +1,4 @@
-// Writes the world, puts host and simulation together, runs the behaviour.
+// Writes the world, puts host and simulation together, runs the behavior.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/system/catching/scene_testing.h"
 

@@ -257,7 +257,7 @@ TEST(Evaluate, KeepsWhatOthersPutIntoItsFolder) {
 }
 
 // Two more processes and a pty. Whether it finds the ball in time is the machine's affair here: that
-// the behaviour ran to an end of its own is not.
+// the behavior ran to an end of its own is not.
 TEST(Evaluate, RunsInRealTimeToo) {
   const TemporaryFolder folder;
   const Finished finished =

@@ -27,7 +27,7 @@ std::vector<std::string> run_plugin(const std::string& path, const std::vector<s
   return kaz(arguments);
 }
 
-// What a plug-in does, and the message.
+// A fault of a plug-in and the texts of its message.
 struct Misdeed {
   std::string does;
   std::vector<std::string> words;

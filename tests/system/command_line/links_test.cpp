@@ -193,7 +193,7 @@ TEST_F(Links, Ser2netIsAServerOfRfc2217) {
   EXPECT_EQ(status("rfc2217:" + at)["motors"], "off") << "again, after the first has left";
 }
 
-// The server of another program goes and comes back in the midst of a behaviour.
+// The server of another program goes and comes back in the midst of a behavior.
 TEST_F(Links, ALostPeerIsFoundAgainWithoutARestart) {
   const std::string port = some_port(3), at = "127.0.0.1:" + port;
   const std::vector<std::string> socat = {

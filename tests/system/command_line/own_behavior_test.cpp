@@ -1,4 +1,4 @@
-// Behaviours from shared objects: examples/behavior in `kaz run`, `kaz evaluate` and `kaz replay`; refusals.
+// Behaviors from shared objects: examples/behavior in `kaz run`, `kaz evaluate` and `kaz replay`; refusals.
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-// The virtual robot in one process, the behaviour in another, a real pty between them, in real
+// The virtual robot in one process, the behavior in another, a real pty between them, in real
 // time.
 // SPDX-License-Identifier: Apache-2.0
 #include <array>

@@ -1,4 +1,4 @@
-# The behaviours' own program against the emulated board, over each kind of link and the kernel's video.
+# The behaviors' own program against the emulated board, over each kind of link and the kernel's video.
 # SPDX-License-Identifier: Apache-2.0
 """The virtual robot runs outside of a virtual machine and follows its clock; in the machine the same
 executable as outside is the host, with the kernel's drivers below it. Exit status: 0 passed, 1 failed, 77
@@ -147,8 +147,8 @@ def parse_arguments():
     parser.add_argument("--short", action="store_true",
                         help="no runs, one loss of each kind, some cases of conformance: two minutes")
     parser.add_argument("--table", action="store_true",
-                        help="only runs of the behaviours; goes on where it was interrupted")
-    parser.add_argument("--runs", type=int, default=10, help="of each behaviour over each link")
+                        help="only runs of the behaviors; goes on where it was interrupted")
+    parser.add_argument("--runs", type=int, default=10, help="of each behavior over each link")
     parser.add_argument("--losses", type=int, default=20, help="of each kind, in one run")
     parser.add_argument("--only", default="",
                         help="names of links, or of kernel-can, boards, separated by commas")

@@ -103,7 +103,7 @@ int run_job(const CampaignOptions& options, const OutputFolder& folder, std::uin
   return exit_status(done.error());
 }
 
-// Why a signal that ended an episode is the machine's; empty where it is a crash of behaviour or program.
+// Why a signal that ended an episode is the machine's; empty where it is a crash of behavior or program.
 std::string machine_signal(int number) {
   for (const int crash : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS})
     if (number == crash) return {};
@@ -382,7 +382,7 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
                                 "episodes too, or choose another folder with --out");
 }
 
-// A plug-in that is to be judged as one of Kaz's behaviours, or one of these with a measure of its own.
+// A plug-in that is to be judged as one of Kaz's behaviors, or one of these with a measure of its own.
 Result<void> check_judge(const CampaignOptions& options) {
   const bool plugin = behavior::names_plugin(options.behavior);
   if (options.judged_as.empty() && !plugin && behavior::find_behavior(options.behavior) &&

@@ -47,7 +47,7 @@ Result<void> keep_files(const trials::RobotFolder& files, const std::string& fai
 struct Ended {
   Result<behavior::Outcome> outcome = fail(Fault::environment, "the episode did not begin");
   double run_s = 0, rtf = 0;
-  bool crashed = false;  // the behaviour's program
+  bool crashed = false;  // the behavior's program
 };
 
 Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& ended,

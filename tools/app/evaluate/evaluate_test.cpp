@@ -262,7 +262,7 @@ TEST_F(Summary, CountsSuccessesFallsAndCauses) {
   EXPECT_EQ(result["claims"]["claimed_without_success"], Json::array({3}));
   EXPECT_LT(result["interval"][0], 0.5);
   EXPECT_GT(result["interval"][1], 0.5);
-  // Measurements of the behaviour are those of successful episodes.
+  // Measurements of the behavior are those of successful episodes.
   EXPECT_EQ(result["measurements"]["error_m"]["p95"], 0.01);
 }
 
@@ -313,7 +313,7 @@ TEST_F(Summary, NamesLostEpisodesBesideTheRate) {
   EXPECT_EQ(result["failures"].size(), 1u);
 }
 
-// By kind of world, density and floor; a behaviour that does not walk in such worlds has no such tables.
+// By kind of world, density and floor; a behavior that does not walk in such worlds has no such tables.
 TEST_F(Summary, BreaksWalksDownByWorldDensityAndFloor) {
   Episodes episodes{{0, episode(0, true, 10)},
                     {1, episode(1, false, 20, "touched")},

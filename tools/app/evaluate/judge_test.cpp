@@ -77,7 +77,7 @@ TEST(Judge, OfACatchIsTheBallInTheLastThreeSeconds) {
   EXPECT_EQ(judged(task, 5, lifted(2.15, 9)).cause, "not held");
   // Held for longer, and dropped before the end.
   EXPECT_EQ(judged(task, 10, lifted(1, 9.85)).cause, "not held");
-  // Held, although the behaviour does not believe it.
+  // Held, although the behavior does not believe it.
   const Verdict unbelieved = judged(task, 5, lifted(1, 9), kAdmits);
   EXPECT_TRUE(unbelieved.success);
   EXPECT_FALSE(unbelieved.claim);
@@ -187,7 +187,7 @@ TEST(Judge, BelievesNoErrorAndNoUnknownTask) {
   EXPECT_EQ(verdict_of({.name = "./wave.so"}, kAdmits, judge).cause, "not reached");
 }
 
-// A behaviour of Kaz without a judge would be believed.
+// A behavior of Kaz without a judge would be believed.
 TEST(Judge, KnowsEachOfKazsBehaviours) {
   for (const auto& one : behavior::behaviors()) {
     // These two do what somebody wants of them: there is no measure of that.

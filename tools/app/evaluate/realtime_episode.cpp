@@ -1,4 +1,4 @@
-// One episode in real time: the robot in one process, the behaviour in another, a pty between them.
+// One episode in real time: the robot in one process, the behavior in another, a pty between them.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cerrno>
@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 using std::chrono::seconds;
 
 constexpr seconds kReady{60}, kEnd{30};
-// More than the longest behaviour gives itself by default.
+// More than the longest behavior gives itself by default.
 constexpr seconds kMost{700};
 
 std::string text_of(const std::string& path) {
@@ -124,7 +124,7 @@ Truth truth_of(const Json& status) {
   return truth;
 }
 
-// What `kaz sim` reports while the behaviour runs, up to its end: then it switches the motors off. Looks
+// What `kaz sim` reports while the behavior runs, up to its end: then it switches the motors off. Looks
 // without motors count only if they come on again.
 class RealTimeLooks {
  public:
@@ -172,7 +172,7 @@ std::string bytes_of(const std::string& hex) {
 
 // Both programs' arguments.
 struct Commands {
-  std::vector<std::string> simulator, behaviour;
+  std::vector<std::string> simulator, behavior;
 };
 Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& drawn,
                           const trials::RobotFolder& files, const std::string& folder) {
@@ -210,7 +210,7 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
                 {"run", options.behavior, "--robot", "serial:" + board, "--json"}};
   if (sees) {
     both.simulator.insert(both.simulator.end(), {"--cameras", eyes});
-    both.behaviour.insert(both.behaviour.end(),
+    both.behavior.insert(both.behavior.end(),
                           {"--camera", eyes, "--color", color_file, "--radius",
                            std::to_string(scenario.ball_radius_m)});
   }
@@ -222,8 +222,8 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
     both.simulator.insert(both.simulator.end(), {"--memory", file});
   }
   for (const auto& [name, value] : drawn.settings) {
-    both.behaviour.push_back("--set");
-    both.behaviour.push_back(name + "=" + value);
+    both.behavior.push_back("--set");
+    both.behavior.push_back(name + "=" + value);
   }
   return both;
 }
@@ -245,7 +245,7 @@ Json result_of(const std::string& log) {
   return result.is_object() ? result : Json::object();
 }
 
-// Numbers of a result are the behaviour's measurements, but for those of the run.
+// Numbers of a result are the behavior's measurements, but for those of the run.
 std::vector<std::pair<std::string, double>> measurements_of(const Json& result) {
   std::vector<std::pair<std::string, double>> all;
   for (const auto& [name, value] : result.items())
@@ -261,7 +261,7 @@ double number_of(const Json& json, const char* key) {
 
 // How both programs ended.
 struct Ends {
-  std::optional<int> behaviour;  // exit status of `kaz run`, none if time ran out
+  std::optional<int> behavior;  // exit status of `kaz run`, none if time ran out
   bool ended_early;              // `kaz sim`, during the run
   int simulator;                 // its exit status
   double worst_gap_s;            // RealTimeLooks
@@ -293,14 +293,14 @@ std::string machine_trouble(const Ends& ends, const Json& last, const Json& resu
   if (ends.ended_early)
     return "kaz sim ended with " + std::to_string(ends.simulator) + " during the run";
   if (ends.simulator == kLost) return "kaz sim could not write its recording";
-  if (ends.behaviour == static_cast<int>(Fault::usage)) return "kaz run could not start";
-  if (ends.behaviour == kLost && result.value("outcome", "") == "environment")
+  if (ends.behavior == static_cast<int>(Fault::usage)) return "kaz run could not start";
+  if (ends.behavior == kLost && result.value("outcome", "") == "environment")
     return result.value("sentence", std::string());
-  if (ends.behaviour == kLost) return "kaz run lost its port, its camera or its files";
+  if (ends.behavior == kLost) return "kaz run lost its port, its camera or its files";
   for (const int number : {SIGHUP, SIGINT, SIGKILL, SIGTERM, SIGBUS, SIGXCPU, SIGXFSZ})
-    if (ends.behaviour == 128 + number)
+    if (ends.behavior == 128 + number)
       return "kaz run was ended by signal " + std::to_string(number);
-  if (ends.behaviour && *ends.behaviour > 128) return {};  // it crashed, on any machine
+  if (ends.behavior && *ends.behavior > 128) return {};  // it crashed, on any machine
   return lateness(last, result, ends.worst_gap_s);
 }
 
@@ -350,17 +350,17 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
     if (const auto status = control.status()) looks.add(last = *status);
   };
   look();  // where it starts
-  auto behaviour = KAZ_TRY(Child::begin(both.behaviour, run_log));
+  auto behavior = KAZ_TRY(Child::begin(both.behavior, run_log));
   const auto run_begun = std::chrono::steady_clock::now();
-  while (!behaviour.ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
+  while (!behavior.ended() && std::chrono::steady_clock::now() - run_begun < kMost) {
     if (interrupt.requested()) return interrupted();
     look();
     ::usleep(100'000);
   }
-  const auto status = behaviour.ended();
+  const auto status = behavior.ended();
   if (!status) {
-    behaviour.signal(SIGINT);
-    behaviour.wait(kEnd);
+    behavior.signal(SIGINT);
+    behavior.wait(kEnd);
   }
   looks.end();
   const bool simulator_ended = simulator.ended().has_value();

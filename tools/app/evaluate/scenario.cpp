@@ -77,7 +77,7 @@ Scenario Scenario::draw(const Variation& variation, std::uint64_t seed, std::uin
 }
 
 void Scenario::draw_pushes(const Pushes& by) {
-  constexpr double kLast_s = 600;  // no behaviour walks longer
+  constexpr double kLast_s = 600;  // no behavior walks longer
   pushes_from_first_step = by.from_first_step;
   Dice dice(seed, Draw::pushes);
   const auto direction = [&] {

@@ -55,7 +55,7 @@ const OutputKind& figures_output() {
   return kind;
 }
 
-// The figures that a run of this behaviour shows.
+// The figures that a run of this behavior shows.
 std::set<int> shown_by(const std::string& behavior) {
   if (behavior == "navigate") return {kScene, kSetup, kMap};
   if (behavior == "catch-ball") return {kScene, kSetup, kCatch};

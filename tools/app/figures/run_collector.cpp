@@ -210,7 +210,7 @@ void RunCollector::end(const vision::Pipeline& /*pipeline*/) {
   simulation_ = nullptr;
 }
 
-// ---- What the behaviour reports
+// ---- What the behavior reports
 
 void RunCollector::phase(Time /*time*/, std::string_view /*behavior*/, std::string_view phase) {
   looks_around_ = phase == "look around";

@@ -206,7 +206,7 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
   if (recorded.ends_early())
     session.until =
         Time(static_cast<std::int64_t>(recorded.end_ns())) + std::chrono::milliseconds(2);
-  // Whether the behaviour succeeded does not matter, only whether it did the same.
+  // Whether the behavior succeeded does not matter, only whether it did the same.
   if (auto ran = run_session(session); !ran) {
     print_interrupted(ran.error(), options, "simulation");
     return ran;

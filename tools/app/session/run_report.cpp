@@ -148,7 +148,7 @@ figure::PlotPage tracking_page(const RunReport& report) {
   return page;
 }
 
-// Of a behaviour with a map. Returns whether there is one.
+// Of a behavior with a map. Returns whether there is one.
 Result<bool> write_map(const RunReport& report, const OutputFolder& folder) {
   if (report.map == nullptr || !*report.map) return false;
   KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
@@ -196,7 +196,7 @@ const char* word_of(const RunReport& report) {
   return report.outcome.success ? "done" : "failed";
 }
 
-// What the score adds to the outcome's sentence: ", by ground truth 98.2 %". A behaviour that tracks states
+// What the score adds to the outcome's sentence: ", by ground truth 98.2 %". A behavior that tracks states
 // vision's share itself, of the pictures that a score without ground truth is made of, too.
 std::string score_text(const RunReport& report) {
   if (!report.score.found_s || !report.score.within_3deg) return "";

@@ -157,7 +157,7 @@ TEST_F(Report, HasItsProvenance) {
   EXPECT_EQ(from["machine"]["os"].get<std::string>().find('\n'), std::string::npos);
 }
 
-// Those of the report itself are not overwritten by the behaviour's of the same name, unless null.
+// Those of the report itself are not overwritten by the behavior's of the same name, unless null.
 TEST_F(Report, HasTheBehavioursMeasurements) {
   report_.outcome.measurements = {{"turned_deg", 1.2345678}, {"seed", 99}, {"found_s", 2.5}};
   const ordered_json json = result();

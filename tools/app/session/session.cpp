@@ -1,4 +1,4 @@
-// One behaviour from start to end on a backend, with everything that is kept of it.
+// One behavior from start to end on a backend, with everything that is kept of it.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/session.h"
 
@@ -39,7 +39,7 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-// Listens to the behaviour: progress for the user, truth for the score, moments for the snapshots, a
+// Listens to the behavior: progress for the user, truth for the score, moments for the snapshots, a
 // record.
 class Listener final : public behavior::Sink {
  public:
@@ -70,7 +70,7 @@ class Listener final : public behavior::Sink {
     if (probe_) probe_->sample();
     record({{"pan_target", row.pan_target}, {"tilt_target", row.tilt_target}});
     const double elapsed = seconds(row.time - start_);
-    // Not a share: `seconds` of most behaviours is when they give up, not how long they take.
+    // Not a share: `seconds` of most behaviors is when they give up, not how long they take.
     progress_.show(elapsed, phase_);
     if (const auto shown = moments_.on_cycle(elapsed)) snapshots_.take(row.time, *shown);
   }
@@ -90,7 +90,7 @@ class Listener final : public behavior::Sink {
   const behavior::Recording& recording() const { return recording_; }
   void request(const std::string& line) { record({{"request", line}}); }
 
-  // The newest; nothing of behaviours without.
+  // The newest; nothing of behaviors without.
   const std::optional<figure::Image>& map() const { return map_; }
   const TruthProbe* probe() const { return probe_ ? &*probe_ : nullptr; }
 
@@ -152,7 +152,7 @@ class WatchedClock final : public host::Clock {
   host::Interrupt& interrupt_;
 };
 
-// What is asked of the behaviour, recorded so that a replay asks it again.
+// What is asked of the behavior, recorded so that a replay asks it again.
 class RecordedRequests final : public behavior::Requests {
  public:
   RecordedRequests(const std::function<std::vector<std::string>(Time)>& source, Listener& listener)
@@ -324,7 +324,7 @@ Result<void> Session::prepare() {
   behavior_ = KAZ_TRY(behavior::named_behavior(options_.behavior));
   values_ = KAZ_TRY(behavior::OptionValues::parse(behavior_.options, options_.settings));
   KAZ_TRY(parse_modules(options_.vision.modules));
-  // As the behaviour itself says, but before a folder has anything of it.
+  // As the behavior itself says, but before a folder has anything of it.
   if (behavior_.takes_requests && !options_.requests)
     return fail(Fault::usage, behavior::kNoRequests);
   if (!options_.open_backend)
@@ -503,7 +503,7 @@ void Session::run_behavior(behavior::Context& context) {
   }
 }
 
-// What a behaviour returns is completed, and agrees with whether there was an interrupt.
+// What a behavior returns is completed, and agrees with whether there was an interrupt.
 void Session::check_outcome() {
   if (received_signal() != 0 && interrupt_.requested()) {
     outcome_ = tl::unexpected(host::Interrupt::error());

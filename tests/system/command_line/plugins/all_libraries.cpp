@@ -24,7 +24,7 @@ Result<Outcome> run(Context& context) {
   const std::uint8_t body[] = {1, 5, 5};
   std::uint8_t frame[KZ_FRAME_MAX];
   const bool coded = kz_frame_encode(body, sizeof body, frame) == 9;
-  // A behaviour of Kaz's as a step of one's own.
+  // A behavior of Kaz's as a step of one's own.
   const auto stood =
       KAZ_TRY(behavior::sequence("all-libraries", {{"stand", behavior::kStand.run}})(context));
   return Outcome{stood.success && coded && map.cells() > 0 && !faults.only_simulated(),

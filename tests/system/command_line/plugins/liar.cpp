@@ -15,7 +15,7 @@ bool is_any(std::string_view /*text*/) {
   return true;
 }
 
-// Those that the judges of Kaz's behaviours read, and what is claimed.
+// Those that the judges of Kaz's behaviors read, and what is claimed.
 constexpr behavior::Option kOptions[] = {
     {"claims", "catch-ball",
      "approach-ball|catch-ball|get-up|go-forward|navigate|search-ball|stand|track-ball|turn-left|"

@@ -85,7 +85,7 @@ class Run {
     link_.emplace(*raw_link_, *raw_clock_, options_.interrupt);
     auto robot = KAZ_TRY(host::Robot::connect(*link_, *clock_));
     robot_.emplace(std::move(robot));
-    // Those of the behaviours. With the body's gain the light head hunts across the gear's gap, by a degree.
+    // Those of the behaviors. With the body's gain the light head hunts across the gear's gap, by a degree.
     constexpr auto kNeck = 1U << host::neck_pan | 1U << host::neck_tilt;
     constexpr auto kHands = 1U << host::l_hand | 1U << host::r_hand;
     auto done = robot_->set_gains(kNeck, {.kp_per_rad = 12, .kd_s_per_rad = 0.15});
