@@ -26,7 +26,11 @@ if [ "${1-}" = --name ]; then
   echo "$name"
   exit
 fi
+[ $# = 2 ] || die 'give two folders: BUILD and OUT'
 build=$(realpath "$1") out=$(realpath -m "$2")
+if [ -e "$out" ] && [ ! -e "$out/SHA256SUMS" ] && [ -n "$(ls -A "$out")" ]; then
+  die "$out exists and is not a release; give another folder"
+fi
 changes=$(awk -v title="## [$title]" 'index($0, "## [") == 1 { on = index($0, title) == 1; next } on' CHANGELOG.md)
 [ "$title" = Unreleased ] || [ -n "$changes" ] ||
   die "CHANGELOG.md has no section [$title] for the tag v$version: rename [Unreleased]"

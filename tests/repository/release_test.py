@@ -49,8 +49,8 @@ def git(folder, *words):
                    env={**os.environ, **date}, check=True, stdout=subprocess.DEVNULL)
 
 
-def release(folder, **settings):
-    return subprocess.run([RELEASE, "build", "out/release"], cwd=folder, capture_output=True, text=True,
+def release(folder, out="out/release", **settings):
+    return subprocess.run([RELEASE, "build", out], cwd=folder, capture_output=True, text=True,
                           **settings)
 
 
@@ -111,6 +111,8 @@ def check_refusals(folder):
     refused("a changed tree", release(folder), "data/noise", "new", "commit, stash or remove")
     (folder / "new").unlink()
     git(folder, "checkout", "-q", "data/noise")
+    refused("a folder of the user's", release(folder, "data"), "data exists and is not a release")
+    expect((folder / "data/noise").exists(), "a folder of the user's was deleted")
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
     refused("a full disk", release(folder, preexec_fn=limit))
     git(folder, "mv", "data/view/index.html", "data/page")

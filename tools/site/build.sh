@@ -12,6 +12,7 @@ fi
 new=$out.new
 rm -rf "$new" "$new.doctrees"
 trap 'rm -rf "$new" "$new.doctrees"' EXIT
+trap 'exit 130' INT TERM
 mkdir -p "$new"
 echo "site: pages"
 LC_ALL=C.UTF-8 /usr/bin/python3 -B -m sphinx -q -W --keep-going -b html -c tools/site -d "$new.doctrees" . "$new"
