@@ -144,7 +144,7 @@ TEST(ReplayedBoard, AByteTooLateIsADifference) {
   EXPECT_EQ(board.difference()->where, "byte 100 to the board");
 }
 
-TEST(ReplayedBoard, TheEndAndTheRecordOfTheBehaviourCount) {
+TEST(ReplayedBoard, TheEndAndTheRecordOfTheBehaviorCount) {
   const Recorded recorded = record();
   {
     ReplayedBoard board(recorded.run);

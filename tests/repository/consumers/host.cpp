@@ -9,7 +9,7 @@
 int main() {
   const auto address = kaz::host::parse_port_address("--robot", "serial:/nowhere");
   const auto port = kaz::host::open_port(*address, nullptr);
-  std::printf("%zu behaviours; %s\n", kaz::behavior::behaviors().size(),
+  std::printf("%zu behaviors; %s\n", kaz::behavior::behaviors().size(),
               port ? "a port?" : port.error().message.c_str());
   return port ? 1 : 0;
 }

@@ -114,7 +114,7 @@ class CameraTrouble : public ::testing::Test {
                                        folder_ / "board", "--cameras", folder_ / "eyes"}));
     ASSERT_TRUE(simulator_->wait_for_output("ready", seconds(30)));
   }
-  std::vector<std::string> behaviour(const std::string& duration, const std::string& out) {
+  std::vector<std::string> behavior(const std::string& duration, const std::string& out) {
     return kaz({"run", "track-ball", "--robot", "serial:" + (folder_ / "board"), "--camera",
                 folder_ / "relay", "--duration", duration, "--out", out});
   }
@@ -127,7 +127,7 @@ TEST_F(CameraTrouble, SilenceIsTheMachinesAndNamesTheCamera) {
                                         {Passes::three_pairs, "the next one"},
                                         {Passes::then_one_eye, "the right picture"}}) {
     const Relay relay(folder_ / "eyes", folder_ / "relay", passes);
-    const Finished run_ended = run(behaviour("60", folder_ / "run"), seconds(30));
+    const Finished run_ended = run(behavior("60", folder_ / "run"), seconds(30));
     const Finished seen = run(
         kaz({"vision", "run", "--in", folder_ / "relay", "--out", folder_ / "seen"}), seconds(30));
     const std::string camera = "camera " + (folder_ / "relay");
@@ -159,7 +159,7 @@ TEST_F(CameraTrouble, SwappedCamerasAreReportedOfTheWholeRun) {
                             seconds(30));
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
   EXPECT_NE(seen.out.find("warning: left and right look exchanged"), std::string::npos) << seen.out;
-  const Finished ran = run(behaviour("3", folder_ / "run"), seconds(60));
+  const Finished ran = run(behavior("3", folder_ / "run"), seconds(60));
   EXPECT_NE(ran.out.find("warning: left and right look exchanged"), std::string::npos)
       << ran.out << ran.err;
   const json result = parse_json(read_file(folder_ / "run/result.json"));

@@ -84,7 +84,7 @@ TEST(Cli, EachHelpHasItsOwnExamplesWithin100Columns) {
   }
 }
 
-TEST(Cli, HelpOfARunHasTheOptionsOfOneBehaviourWhereItIsNamed) {
+TEST(Cli, HelpOfARunHasTheOptionsOfOneBehaviorWhereItIsNamed) {
   const auto help = [](std::vector<std::string> more) {
     more.insert(more.begin(), "run");
     more.push_back("--help");
@@ -685,7 +685,7 @@ TEST(Cli, SettingGivenTwice) {
 }
 
 // The words after an option that may be repeated are not its values.
-TEST(Cli, AnOptionBeforeTheBehaviour) {
+TEST(Cli, AnOptionBeforeTheBehavior) {
   EXPECT_TRUE(
       one_sentence(run(kaz({"run", "--set", "seconds=60", "--set", "tries=1.5", "catch-ball"})), 2,
                    {"1.5", "a whole number from 1 to 20"}));

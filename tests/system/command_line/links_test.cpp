@@ -201,18 +201,18 @@ TEST_F(Links, ALostPeerIsFoundAgainWithoutARestart) {
       std::filesystem::canonical(board).string() + ",raw,echo=0,b115200"};
   std::optional<Process> server(std::in_place, socat);
   std::this_thread::sleep_for(milliseconds(300));
-  Process behaviour(kaz({"run", "track-ball", "--robot", "tcp:" + at, "--camera", folder / "eyes",
+  Process behavior(kaz({"run", "track-ball", "--robot", "tcp:" + at, "--camera", folder / "eyes",
                          "--duration", "6", "--reconnect", "10"}));
-  ASSERT_TRUE(sim->wait_for_output("motors on", seconds(20))) << behaviour.wait(seconds(0)).err;
+  ASSERT_TRUE(sim->wait_for_output("motors on", seconds(20))) << behavior.wait(seconds(0)).err;
   std::this_thread::sleep_for(milliseconds(500));
   server.reset();
   // At once, while it is sought: whoever holds the plug is to know.
   EXPECT_TRUE(
-      behaviour.wait_for_output("the link was lost; retrying for up to 10 s: ", seconds(2)));
+      behavior.wait_for_output("the link was lost; retrying for up to 10 s: ", seconds(2)));
   // Longer than a camera may be silent: nobody takes its pictures meanwhile.
   std::this_thread::sleep_for(milliseconds(2300));
   server.emplace(socat);
-  const Finished finished = behaviour.wait(seconds(30));
+  const Finished finished = behavior.wait(seconds(30));
   // Whether the ball was found in so short a time is another question.
   EXPECT_LE(finished.exit_code, 1) << finished.err;
   const auto count = [&](const std::string& words) {
@@ -241,10 +241,10 @@ TEST_F(Links, TwoBoardsDriveOneRobot) {
                       {"l_hip_roll", "l_hip_pitch", "l_knee", "l_ankle_pitch", "r_hip_roll",
                        "r_hip_pitch", "r_knee", "r_ankle_pitch"}}}};
   write_file(folder / "boards.json", file.dump());
-  Process behaviour(kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json")}));
+  Process behavior(kaz({"run", "stand", "--robot", "boards:" + (folder / "boards.json")}));
   EXPECT_TRUE(sim->wait_for_output("motors on", seconds(20)));
   EXPECT_TRUE(legs.wait_for_output("motors on", seconds(20)));
-  const Finished finished = behaviour.wait(seconds(30));
+  const Finished finished = behavior.wait(seconds(30));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_TRUE(legs.wait_for_output("motors off", seconds(5)));
 

@@ -194,9 +194,9 @@ TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
   }
   EXPECT_EQ(run(status).exit_code, 0) << "the lock of a killed program is gone";
 
-  Process behaviour(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
+  Process behavior(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
                          folder / "eyes", "--duration", "60"}));
-  ASSERT_TRUE(behaviour.wait_for_output("search", seconds(20))) << behaviour.wait(seconds(0)).err;
+  ASSERT_TRUE(behavior.wait_for_output("search", seconds(20))) << behavior.wait(seconds(0)).err;
   const Finished refused = run(foreign(folder / "board"));
   EXPECT_EQ(refused.exit_code, 1) << refused.out;
   EXPECT_NE(refused.err.find("BlockingIOError"), std::string::npos) << refused.err;

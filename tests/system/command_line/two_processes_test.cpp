@@ -26,7 +26,7 @@ std::vector<std::string> simulator(const TemporaryFolder& folder, const std::str
               folder / "eyes"});
 }
 
-std::vector<std::string> behaviour(const TemporaryFolder& folder, const std::string& duration) {
+std::vector<std::string> behavior(const TemporaryFolder& folder, const std::string& duration) {
   return kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
               folder / "eyes", "--duration", duration, "--out", folder / "out"});
 }
@@ -37,11 +37,11 @@ bool ready(Process& sim) {
 
 class Engines : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(Engines, BehaviourRunsOverThePty) {
+TEST_P(Engines, BehaviorRunsOverThePty) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, GetParam()));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
-  const Finished finished = run(behaviour(folder, "14"), seconds(60));
+  const Finished finished = run(behavior(folder, "14"), seconds(60));
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   const json result = parse_json(read_file(folder / "out/result.json"));
   ASSERT_TRUE(result.is_object());
@@ -111,11 +111,11 @@ TEST(TwoProcesses, JointsOfAnotherRobotComeFromItsFile) {
   EXPECT_EQ(own.out.find("neck"), std::string::npos) << own.out;
 }
 
-TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
+TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviorWithAClearMessage) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "native"));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
-  Process run(behaviour(folder, "60"));
+  Process run(behavior(folder, "60"));
   ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
   sim.signal(SIGKILL);
   const Finished finished = run.wait(seconds(15));
@@ -133,11 +133,11 @@ TEST(TwoProcesses, SimulatorKilledLeavesTheBehaviourWithAClearMessage) {
 }
 
 // What the link watchdog does is the host's choice, and that of the library is to hold.
-TEST(TwoProcesses, BehaviourKilledLeavesTheRobotHoldingForTheNext) {
+TEST(TwoProcesses, BehaviorKilledLeavesTheRobotHoldingForTheNext) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "h8"));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
-  Process run(behaviour(folder, "60"));
+  Process run(behavior(folder, "60"));
   ASSERT_TRUE(sim.wait_for_output("motors on", seconds(20))) << sim.wait(seconds(0)).err;
   run.signal(SIGKILL);
   run.wait(seconds(10));
@@ -194,7 +194,7 @@ TEST(TwoProcesses, AFailureWhileTheSimulatorLagsIsTheMachines) {
     Process sim(kaz({"sim", "--world", "empty", "--mcu", "native", "--eyes", "ideal", "--serial",
                      folder / "board", "--cameras", folder / "eyes"}));
     ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
-    Process run(behaviour(folder, "6"));
+    Process run(behavior(folder, "6"));
     ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
     for (int n = 0; lags && n < 8; ++n) {
       sim.signal(SIGSTOP);
@@ -229,7 +229,7 @@ TEST(TwoProcesses, BoardThatStopsAnsweringIsNoticed) {
   const TemporaryFolder folder;
   Process sim(simulator(folder, "native"));
   ASSERT_TRUE(ready(sim)) << sim.wait(seconds(0)).err;
-  Process run(behaviour(folder, "60"));
+  Process run(behavior(folder, "60"));
   ASSERT_TRUE(run.wait_for_output("search", seconds(20))) << run.wait(seconds(0)).err;
   sim.signal(SIGSTOP);
   const Finished finished = run.wait(seconds(15));

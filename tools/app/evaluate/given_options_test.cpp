@@ -20,13 +20,13 @@ std::string refused(const std::string& option, std::vector<WorldKind> worlds,
   return checked ? "" : checked.error().message;
 }
 
-TEST(GivenOptions, OfNavigateAreRefusedWithOtherBehaviours) {
+TEST(GivenOptions, OfNavigateAreRefusedWithOtherBehaviors) {
   CampaignOptions options;
-  for (const char* behaviour : {"search-ball", "stand", "./wave.so"}) {
-    options.behavior = behaviour;
+  for (const char* behavior : {"search-ball", "stand", "./wave.so"}) {
+    options.behavior = behavior;
     for (const char* option : {"--worlds", "--density", "--obstacles", "--goal-distance"}) {
       const auto checked = check_given(options, {"--seed", option});
-      ASSERT_FALSE(checked) << behaviour << option;
+      ASSERT_FALSE(checked) << behavior << option;
       EXPECT_EQ(checked.error().fault, Fault::usage);
       EXPECT_EQ(checked.error().message,
                 std::string(option) +

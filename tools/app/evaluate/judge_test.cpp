@@ -188,7 +188,7 @@ TEST(Judge, BelievesNoErrorAndNoUnknownTask) {
 }
 
 // A behavior of Kaz without a judge would be believed.
-TEST(Judge, KnowsEachOfKazsBehaviours) {
+TEST(Judge, KnowsEachOfKazsBehaviors) {
   for (const auto& one : behavior::behaviors()) {
     // These two do what somebody wants of them: there is no measure of that.
     const bool measured = one.name != "play" && one.name != "pose";

@@ -164,7 +164,7 @@ TEST(RecordedBackend, NamesTheKeyTheValueAndTheValidOnes) {
   }
 }
 
-TEST(RecordedBackend, RefusesARecordingWithoutBehaviour) {
+TEST(RecordedBackend, RefusesARecordingWithoutBehavior) {
   EXPECT_FALSE(recorded_backend(sim::McapRecording{}, "run.mcap"));
   EXPECT_FALSE(recorded_backend(with_backend("[]"), "run.mcap"));
 }

@@ -33,7 +33,7 @@ TEST(BalanceSetting, BecomesTheWeightsOfTheFile) {
   EXPECT_EQ(settings, before);
 }
 
-TEST(BalanceSetting, LeavesWordsAndOtherBehavioursAlone) {
+TEST(BalanceSetting, LeavesWordsAndOtherBehaviorsAlone) {
   for (const std::string word : {"none", "learned"}) {
     Settings settings{{"balance", word}};
     ASSERT_TRUE(load_balance("go-forward", settings));

@@ -158,7 +158,7 @@ TEST_F(Report, HasItsProvenance) {
 }
 
 // Those of the report itself are not overwritten by the behavior's of the same name, unless null.
-TEST_F(Report, HasTheBehavioursMeasurements) {
+TEST_F(Report, HasTheBehaviorsMeasurements) {
   report_.outcome.measurements = {{"turned_deg", 1.2345678}, {"seed", 99}, {"found_s", 2.5}};
   const ordered_json json = result();
   EXPECT_NEAR(json["turned_deg"].get<double>(), 1.234568, 1e-9);
