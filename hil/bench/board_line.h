@@ -51,8 +51,8 @@ class BoardLine {
   Result<kz_statistics_reply> statistics();
   Result<kz_state_reply> state();
 
-  // Makes the board send telemetry frames of `selection` every `period_ms`; 0 ends the stream. Returns the
-  // board's tick number in the reply.
+  // Makes the board send telemetry frames of `selection` every `period_ms`. A period of 0 ends the stream.
+  // The result is the tick number from the board's reply.
   Result<std::uint32_t> stream(int period_ms, std::uint8_t selection);
   // Returns whether the board can stream telemetry. On a shared line, the board cannot stream.
   bool can_stream() const;

@@ -67,9 +67,10 @@ struct Plot {
 
 // Limits that replace the limits of measurements.def. Key: name of the measurement; value: (low, high).
 using Limits = std::map<std::string, std::pair<double, double>>;
-// Parses limits from JSON: {"stall.torque_10v": {"low": 2.0, "high": 2.3}}, or the list of `kaz bench list
-// --json`. If "low" or "high" is missing or null, there is no limit on that side. Errors (usage): the text is
-// not JSON or empty; unknown name or key; repeated name; low above high.
+// Parses limits from JSON. The JSON text is either an object, such as {"stall.torque_10v": {"low": 2.0,
+// "high": 2.3}}, or the list that `kaz bench list --json` prints. If "low" or "high" is missing or null,
+// there is no limit on that side. Errors (usage): the text is not JSON or empty; unknown name or key;
+// repeated name; low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
@@ -101,8 +102,8 @@ class BenchJudge {
   // Called for each measurement that is entered. For measurements within timed(), the calls are made at the
   // end of timed().
   using Listener = std::function<void(const Measurement&)>;
-  // `lateness` measures delays of this process at the link and clock of the measurements. In simulated time,
-  // `lateness` is null.
+  // `lateness` measures how long this process was delayed on a busy machine. In simulated time, `lateness` is
+  // null.
   BenchJudge(BenchReport& report, const Limits& limits, Listener listener = nullptr,
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
@@ -110,13 +111,13 @@ class BenchJudge {
   // Enters a value. `name` is the name in measurements.def, `note` describes special conditions.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
-  // Enters a failure regardless of the limits, with `finding` as the only message. Use this function for a
-  // defect that was found, not for a value that is only out of range.
+  // Enters a failed measurement, even if the value is inside its limits. The message of the measurement is
+  // `finding`. Use this function for a defect that was found, not for a value that is only out of range.
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
-  // Enters a value that was measured under a condition, named by `note`, to which the default limits do not
-  // apply. Only explicit limits apply. Without explicit limits, the value is reported with the verdict
-  // left_out.
+  // Enters a value that was measured under a special condition. `note` describes the condition. The default
+  // limits do not apply to such a value. Only explicit limits apply. Without explicit limits, the value is
+  // reported with the verdict left_out.
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
@@ -124,20 +125,21 @@ class BenchJudge {
   using LineTrouble = std::function<std::string()>;
   // Runs a part that measures times with this machine's clock. If a measurement of the part fails while the
   // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
-  // in each run, the failed measurements are undecided. If `at_least` is above 0, shorter delays are ignored,
-  // and longer delays excuse a failure of any measurement of the part. If `at_least` is 0, any lateness
-  // counts, but only for measurements that depend on this machine's clock. A disturbed line has the same
-  // effect as a late machine, except for measurements of the line itself. Errors: the errors of `part`; the
-  // program at the other end no longer replies (environment).
+  // in each run, the failed measurements are undecided. `at_least` selects the delays that count as lateness.
+  // If `at_least` is above 0, only delays of this length or more count, and each measurement of the part can
+  // become undecided. If `at_least` is 0, the thresholds of LatenessMeter apply. Only measurements that
+  // depend on this machine's clock can then become undecided. A disturbed line has the same effect as a late
+  // machine. However, a disturbed line does not make measurements of the line itself undecided. Errors: the
+  // errors of `part`; the program at the other end no longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
   // Makes all failed measurements with index `first` or higher undecided. With Doubt::line, this applies only
   // to measurements that a bad line can distort. Appends "; but " and then `why` to the message of each such
   // measurement.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // States that true values may exceed the entered values by a factor of up to `factor`, which is at least 1.
-  // This applies to all measurements with index `first` or higher. A measurement becomes undecided if this
-  // factor could change the verdict.
+  // States that the true value of a measurement can be higher than the entered value, up to `factor` times
+  // the entered value. This applies to all measurements with index `first` or higher. A measurement becomes
+  // undecided if such a higher value would change the verdict.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

@@ -26,7 +26,9 @@ enum ServoNeed : unsigned {
 };
 
 struct ServoCase {
-  Case of;  // `of.statements` contains the tested sections of the page; `of.run` is null
+  // `of.statements` lists the tested sections of docs/reference/servo-bus.md. `of.run` is null, because the
+  // member `run` below replaces it.
+  Case of;
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;
   // Returns whether servos with this table and firmware have the tested feature. Null: all servos have the
@@ -39,7 +41,8 @@ const std::vector<ServoCase>& servo_cases(ServoFamily family);
 // Returns the cases whose id or section matches the regular expression. Error (usage): the expression is
 // invalid or matches no case.
 Result<std::vector<const ServoCase*>> chosen(ServoFamily family, const std::string& filter);
-// Returns the reason for leaving out a case with these unmet ServoNeed bits: "needs --allow-motion".
+// Returns the reason why a case is left out, such as "needs --allow-motion". `missing` contains the unmet
+// requirements of the case, as ServoNeed bits.
 std::string missing_servo_text(unsigned missing);
 
 struct BusRunOptions {

@@ -34,10 +34,11 @@ class ExaminedServo {
   void begin_case() { transcript_.clear(); }
   // Restores the registers and switches the torque off. Throws Failed if the servo does not confirm that the
   // torque is off, or if registers could not be restored. The error message names these registers. `moves`:
-  // whether the case may move the servo. If `moves` is false, also throws Failed if the torque was on.
+  // whether the case is allowed to move the servo. Also throws Failed if the torque was on although `moves`
+  // is false.
   void end_case(bool moves);
   const std::vector<std::string>& transcript() const { return transcript_; }
-  // Returns whether a register may differ from its original value.
+  // Returns whether end_case() still has registers to restore.
   bool altered() const { return !before_.empty(); }
 
   // ---- Requests
@@ -67,8 +68,8 @@ class ExaminedServo {
   // Writes a register and returns the error code of the answer; 0: success. The alert bit of the answer is
   // ignored. For Feetech servos, the result is always 0. end_case() restores the old value.
   int write(const ServoRow& row, long value);
-  // Stores the register's value for end_case() to restore. Call this function before a register is written by
-  // other means than write().
+  // Stores the present value of a register, so that end_case() can restore this value. The function write()
+  // does this itself; before any other way of writing a register, call keep().
   void keep(const ServoRow& row);
 
   // Waiting times: kSilence to check that no answer comes, kPatience for an expected answer.

@@ -28,8 +28,8 @@ constexpr int kAnyDetail = -1;
 class Board {
  public:
   // `bench` may be null; all references must outlive this object. `slack` is the maximum delay of reading or
-  // writing a byte, if the clock is not the board's own clock. `slack` is zero in lockstep. `home` is the
-  // address of the board.
+  // writing a byte. In lockstep, `clock` is the board's own clock, and `slack` is zero. `home` is the address
+  // of the board.
   Board(host::Link& link, host::Clock& clock, Bench* bench, Time slack, std::uint64_t seed,
         std::uint8_t home = KZ_ADDRESS_DEFAULT);
 
@@ -44,8 +44,7 @@ class Board {
   std::mt19937_64& random() { return random_; }
   std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present address
   std::uint8_t home() const { return home_; }  // address at the beginning of each case
-  // Returns an address that is not the board's home: `wanted`, or `wanted` - 1 if `wanted` is the home
-  // address.
+  // Returns the address `wanted` unless it is the board's home address. In that case, returns `wanted` - 1.
   std::uint8_t other_than_home(int wanted) const {
     return static_cast<std::uint8_t>(wanted == home_ ? wanted - 1 : wanted);
   }
@@ -70,8 +69,8 @@ class Board {
   // Sends a request with a new sequence number and returns the reply or refusal.
   Frame raw_request(std::uint8_t type, const Bytes& fields);
   bool answers();  // true if identify is answered within 50 ms
-  // Returns whether no board answers at any address. Waits for a board that is still starting. If there is a
-  // bench, returns false without this check, because the bench resets the board before the next case.
+  // Returns whether no board answers at any address. Waits for a board that is still starting. On a bench,
+  // does not check this and returns false, because the bench resets the board before the next case.
   bool gone();
 
   // ---- Requests by name

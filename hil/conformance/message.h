@@ -17,7 +17,7 @@ struct Field {
   std::string name;
   int size = 0;  // bytes per number
   bool is_signed = false;
-  int count = 1;  // count of numbers; for a masked field, the maximum count
+  int count = 1;  // how many numbers the field contains; for a masked field, the maximum
   bool masked = false;
   bool bounded = false;
   long low = 0, high = 0;
@@ -52,8 +52,8 @@ class Put {
   Bytes bytes_;
 };
 
-// Returns legal fields: bounded fields have their lowest value, all other fields are 0. The field with the
-// index `changed` has `value` instead.
+// Returns legal fields: bounded fields have their lowest value, all other fields are 0. Exception: the
+// numbers of the field with the index `changed` are `value`.
 Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
 
 // Fields of a reply by their names in the table. The constructor throws Failed if the length is wrong.

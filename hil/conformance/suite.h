@@ -16,11 +16,12 @@ namespace kaz::hil {
 // Requirements of a case, in addition to a link.
 enum Need : unsigned {
   kNothing = 0,
-  kMotion = 1,           // moves joints or motors
-  kFlash = 2,            // writes flash, which wears out
-  kBench = 4,            // requires a Bench (bench.h)
-  kExact = 8,            // requires a clock without slack
-  kDefaultAddress = 16,  // requires a board at address 1; run_suite() sets this bit of `allowed`
+  kMotion = 1,  // moves joints or motors
+  kFlash = 2,   // writes flash, which wears out
+  kBench = 4,   // requires a Bench (bench.h)
+  kExact = 8,   // requires a clock without slack
+  // Requires a board at address 1. If the board has this address, run_suite() allows the case.
+  kDefaultAddress = 16,
   // Requires a link that preserves pauses between bytes (RunOptions::whole_frames).
   kPauses = 32,
 };
@@ -48,7 +49,7 @@ struct CaseResult {
   std::string message;                  // reason of a failure, skip or undecided verdict
   double seconds = 0;                   // duration on the board's clock
   std::vector<std::string> transcript;  // bytes of a failed or undecided case
-  // Number of runs. Every run before the last one failed while this machine was late.
+  // Number of runs of the case. A run is repeated only if it failed while this machine was late.
   int runs = 1;
 };
 
@@ -57,7 +58,8 @@ struct RunOptions {
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   unsigned allowed = 0;  // bits of Need that are available
-  // Whether the link carries whole frames only, like a CAN bus. If false, kPauses is available.
+  // Whether the link carries whole frames only, like a CAN bus. If false, the cases that need kPauses also
+  // run.
   bool whole_frames = false;
   // Lateness of link and clock, if link and clock are real; may be null. A case that fails while this
   // machine is late is repeated. The case is undecided if the machine was late in each run.
@@ -87,7 +89,8 @@ Result<std::vector<const Case*>> chosen(const std::string& filter);
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 
-// Returns the reason for leaving out a case with these unmet Need bits: "needs --allow-motion".
+// Returns the reason why a case is left out, such as "needs --allow-motion". `missing` contains the unmet
+// requirements of the case, as Need bits.
 std::string missing_text(unsigned missing);
 
 // List of cases. Each function below adds the cases of one chapter of docs/reference/protocol.md.

@@ -29,8 +29,8 @@ class Conversation {
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // States that from now on bytes may be lost, changed or duplicated on the line. The bytes that the board
-  // receives are then unknown, so only rules for single frames are checked.
+  // States that from now on bytes may be lost, changed or duplicated on the line. After this call, the bytes
+  // that reach the board are uncertain. So Conversation checks only the rules for single frames.
   void line_is_faulty() { faulty_ = true; }
   // States that the board may have restarted. The frame that the board was sending may be cut off.
   void board_restarted() { restarts_ += 1; }
@@ -38,8 +38,8 @@ class Conversation {
   // Returns the number of replies to the request with this type and sequence number since that request was
   // last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // Returns and clears a flag. The flag is set by a request after which the board is possibly deaf for a
-  // while, or has a new address.
+  // Returns whether, since the last call, the host has sent a request that can make the board silent for a
+  // while. Examples: a restart, a write to flash, and a change of the address.
   bool take_deafening();
 
   // Returns the first violation; nullopt if there was no violation.

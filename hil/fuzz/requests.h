@@ -18,8 +18,9 @@ struct RequestBytes {
 // Returns all request types of the table. If `flash` is false, types that write flash are omitted.
 std::vector<const kz_message_info*> request_types(bool flash);
 
-// Makes a request. If `legal`, all fields are within the bounds of the table, but a target may be beyond a
-// soft limit that an earlier request set. Otherwise each field may be any value of its type.
+// Makes a request. If `legal` is true, all fields are within the bounds of the table. However, a target can
+// exceed a soft limit that an earlier request has set. If `legal` is false, each field can have any value of
+// its type.
 RequestBytes make_request(const kz_message_info& message, Choices& choices, bool legal,
                           std::uint8_t address, std::uint8_t sequence);
 

@@ -26,8 +26,8 @@ struct Verdict {
 struct RunnerOptions {
   // Injects a fault. If `fault` is null, the cases must contain no faults.
   std::function<void(const faults::Fault&)> fault;
-  // Called after each event. Returns a violation that was found by other means than Conversation. May be
-  // null.
+  // An additional check, called after each event. Returns the violation that this check found, or nullopt.
+  // May be null.
   std::function<std::optional<std::string>()> judge;
   // Timeout for the reply to a query.
   Time patience = std::chrono::milliseconds(100);

@@ -43,8 +43,8 @@ class Search {
 // Returns a shorter case, of at least one byte, that also violates a rule. Runs at most `max_runs` cases.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
-// Reads a file of the corpus or a reproducer; the content of the file is the genome. Errors name the path
-// and the reason.
+// Reads a file of the corpus or a reproducer; the content of the file is the genome. Error messages contain
+// the path and the reason.
 Result<Genome> load_genome(const std::string& path);
 // Writes a genome to the file `name`. If the file exists, a number is appended to the name.
 Result<void> save_genome(const std::string& name, const Genome& genome);

@@ -4,8 +4,9 @@
 
 namespace kaz::hil {
 
-// Undecided: each run failed while this machine was late (host/link/lateness.h) or the line was disturbed. A
-// measurement of a warm motor is also undecided if the value is too close to a limit.
+// The verdict is `undecided` if each run failed and, during each run, this machine was late
+// (host/link/lateness.h) or the line was disturbed. A measurement of a warm motor is also undecided if the
+// value is too close to a limit.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // Returns "passed", "failed", "left out" or "undecided".

@@ -2,9 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Source: Duclusaud, Passault, Padois, Ly, "Extended Friction Models for the Physics Simulation of Servo
-// Actuators", ICRA 2025 (arXiv 2410.08650). All quantities are at the output shaft, in SI units. The
-// formulas use the speed w, the motor torque m, the external torque e (added to m), and s = exp(-|w /
-// stribeck_speed|^stribeck_power). The maximum friction torque of each model is:
+// Actuators", ICRA 2025 (arXiv 2410.08650). All quantities are at the output shaft, in SI units.
+//
+// Symbols in the formulas:
+//
+// - w: speed.
+// - m: motor torque.
+// - e: external torque, which acts in addition to m.
+// - s: exp(-|w / stribeck_speed|^stribeck_power).
+//
+// The maximum friction torque of each model is:
 //
 // - M1: viscous |w| + base.
 // - M2: M1 + s stribeck.
@@ -36,7 +43,7 @@ struct ServoParams {
   double motor_stribeck = 0, external_stribeck = 0;  // dimensionless
   double motor_quad = 0, external_quad = 0;          // unit 1/(N m)
   // Fitted parameters of the servo's control law and of the test stand.
-  double gain_ratio = 1;  // true gain divided by the gain that the log states
+  double gain_ratio = 1;  // ratio of the servo's true gain to the gain in the log
   double offset = 0;      // measured angle minus true angle, rad
 };
 
@@ -44,7 +51,7 @@ struct ServoParamInfo {
   std::string_view name, unit;
   double ServoParams::*at;
   double low, high;  // bounds of the parameter in a fit
-  double scale;      // typical size of a significant change
+  double scale;      // a change of this size has a clear effect; a fit uses it as unit
 };
 
 // Returns the parameters of model 1 to 6, in the order in which a fit uses them.

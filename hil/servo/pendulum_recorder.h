@@ -35,8 +35,8 @@ struct PendulumLog {
   bool held_out = false;
   ServoLog log;
   int missing = 0;  // number of missing readings
-  // True if the log contains the goals of the servo's own profile. False if the log contains the goals that
-  // the recorder sent.
+  // If true, the log contains the goals that the servo computed for its own motion profile and reported. If
+  // false, the log contains the goals that the recorder sent.
   bool follows_profile = false;
 };
 

@@ -29,11 +29,12 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // If the parameter changes by this value and all other parameters are refitted, the squared error grows by
-  // 6 % and the mean error by 3 %. Infinite if the logs do not determine the parameter.
+  // Uncertainty of `value`. If the parameter changes by this uncertainty, the best fit of all other
+  // parameters has a squared error that is 6 % larger. Infinite if the uncertainty is at least as large as
+  // the parameter's range.
   double determined_within = 0;
-  // True if determined_within is less than half of `value`. For a parameter whose range includes negative
-  // values, the limit is half of the range.
+  // True if the uncertainty is less than half of `value`. For a parameter that can be negative, true if the
+  // uncertainty is less than half of the parameter's range.
   bool determined = false;
 };
 

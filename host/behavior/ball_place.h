@@ -3,9 +3,9 @@
 //
 // The ball's center lies in a plane one radius above the floor. The viewing ray through the ball's center
 // intersects this plane at the ball's position. This method is far more accurate than the distance from the
-// ball's apparent size, which only serves as a plausibility check. The camera pose over the floor is computed
-// from the joint angles of the supporting leg, whose sole is flat on the floor (host/robot/kinematics.h). So
-// the camera pose includes the sway of walking. Units: m, rad.
+// ball's apparent size, which only serves as a plausibility check. The sole of the supporting leg is flat on
+// the floor. So the joint angles of this leg give the camera pose over the floor (host/robot/kinematics.h).
+// This pose includes the sway of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -45,8 +45,9 @@ class BallPlace {
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // Returns the predicted position of the ball at time `t`, relative to `robot`, with the origin below the
-  // hips. The ball is assumed to roll on for 0.3 s after the last observation. Precondition: known().
+  // Returns the predicted position of the ball at time `t`, relative to a robot at the place `robot`. The
+  // origin is below the hips. The ball is assumed to roll on for 0.3 s after the last observation.
+  // Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
   // Returns the predicted position of the ball in the odometry frame. Precondition: known().
   Eigen::Vector2d at(Time t) const;

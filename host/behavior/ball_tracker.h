@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each observation is transformed to the trunk frame with the head angles at the exposure, which are part of
-// the frame information. So latency and head motion cancel out for a resting ball. vision::BallTrack
+// the frame information. So latency and head motion cause no error for a resting ball. vision::BallTrack
 // estimates the ball's velocity and predicts the ball's position. The trunk is assumed to be at rest. The
 // position of the floor is unknown, so the predicted motion is a straight line.
 #pragma once

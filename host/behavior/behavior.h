@@ -43,7 +43,8 @@ struct Context {
   Sink& sink;
   OptionValues options;
   std::uint64_t seed = 1;  // seed of random choices
-  // Joint names of a robot other than Kaz, by channel of the board; empty for Kaz.
+  // Joint names of a robot other than Kaz; the index is the channel of the board. For Kaz, this list is
+  // empty.
   std::vector<std::string> other_joints = {};
   double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
   std::string camera = "the camera";  // name of the camera in error messages

@@ -58,8 +58,8 @@ class BodyControl {
   Time newest_exposure() const { return newest_exposure_; }
   // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of consecutive images from which ball() used an observation. An image without such an observation
-  // resets this number to 0.
+  // Number of consecutive images, up to the newest image, in which ball() accepted an observation. An image
+  // without an accepted observation resets this number to 0.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
   // The newest observation that ball() used.
@@ -68,7 +68,7 @@ class BodyControl {
   const PlaceHistory& places() const { return places_; }
   // Position of the ball, m; x ahead, y left, origin below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
-  // True if the newest image is more than `time` later than the last observation of the ball.
+  // Returns whether the last observation of the ball is older than the newest image by more than `time`.
   bool unseen_for(Time time) const { return newest_exposure_ - ball_.last_seen() > time; }
 
  private:
@@ -94,7 +94,8 @@ class BodyControl {
   int consecutive_ = 0;
   Time newest_exposure_{};
   Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
-  double left_g_ = 0, tipped_s_ = 0;         // for the fall detection in step(pose)
+  // Lateral force and time of strong tilt, to detect a fall in step(pose).
+  double left_g_ = 0, tipped_s_ = 0;
 };
 
 }  // namespace kaz::behavior

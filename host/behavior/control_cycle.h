@@ -17,8 +17,10 @@ class ControlCycle {
   static constexpr Time kPeriod = std::chrono::milliseconds(10);
   // Duration of the board's ramp to a target. The ramp exceeds the period, so that the motion is continuous.
   static constexpr Time kRamp = std::chrono::milliseconds(12);
-  // Delay from a behavior's decision to the start of the board's ramp. The delay has three parts. 19 bytes on
-  // the wire take 1.65 ms, the board processes them half a tick later, and the pins follow one tick later.
+  // Delay from a behavior's decision to the start of the board's ramp. The delay is the sum of three parts:
+  // - 1.65 ms: transmission of 19 bytes.
+  // - 0.5 ms: mean time until the board's next tick, which processes the bytes.
+  // - 1 ms: one tick until the pins follow.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
   // After this time without an image, a behavior that uses the camera lets the robot stand still until the
   // next image.
@@ -31,8 +33,8 @@ class ControlCycle {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> observations;
-    // Set if the link was lost and restored during the call of next(). After a reconnection, the targets of
-    // this call were not sent, ramps in progress have ended, and the joints hold their positions
+    // Set if the link was lost and restored during the call of next(). In this case, the targets of the call
+    // were not sent. The board has ended all ramps and holds the joints at their positions
     // (host/robot/robot.h).
     std::optional<host::Resumption> resumed;
   };

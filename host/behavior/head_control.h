@@ -12,8 +12,8 @@ namespace kaz::behavior {
 
 class HeadControl {
  public:
-  // Lag of the position loop behind a target of constant speed. The loop sets duty = kp error - kd rate. An
-  // unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
+  // Delay with which the position loop follows a target that moves at constant speed. The loop sets duty = kp
+  // error - kd rate. An unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
   //   error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
   // Delay from the decision on a target to the head's arrival: the sum of sending, ramp and servo lag.

@@ -23,9 +23,9 @@
 #define KAZ_PLUGIN_CONTAINERS ""
 #endif
 
-// Identifies the headers and the compiler options that affect the layout of types (-march changes Eigen's
-// alignment). This text must be equal in a plug-in and in the program that loads the plug-in, so that the
-// types have the same layout in both.
+// Text that identifies the headers and the compiler options that affect the layout of types. For example,
+// -march changes Eigen's alignment. This text must be equal in a plug-in and in the program that loads the
+// plug-in, so that the types have the same layout in both.
 #define KAZ_PLUGIN_INTERFACE                                                        \
   "headers " KAZ_INTERFACE_ID ", Eigen alignment " KAZ_PLUGIN_TEXT(                 \
       EIGEN_MAX_ALIGN_BYTES) ", C++11 ABI " KAZ_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI) \
@@ -37,7 +37,8 @@ namespace kaz::behavior {
 struct Plugin {
   // KAZ_PLUGIN_INTERFACE of the plug-in's build. `interface` is the first member in every version of Plugin.
   const char* interface;
-  // The program reads this member only if `interface` equals the program's own KAZ_PLUGIN_INTERFACE.
+  // The program compares `interface` with its own KAZ_PLUGIN_INTERFACE. If the texts differ, the program does
+  // not read `behavior`.
   const Behavior* behavior;
 };
 
@@ -53,8 +54,8 @@ inline constexpr const char* kPluginSymbol = "kaz_behavior_plugin_v1";
   }                                                                                 \
   static_assert(true, "takes the semicolon")
 
-// Returns whether `name` is the path of a plug-in (contains a slash or ends in .so) rather than the name of
-// a behavior.
+// Returns true if `name` is the path of a plug-in, false if it is the name of a behavior. A path contains a
+// slash or ends in .so.
 bool names_plugin(std::string_view name);
 
 // Loads the shared object, which stays loaded until the program ends. Loading runs code of the file: never

@@ -8,9 +8,10 @@
 
 namespace kaz::behavior {
 
-// Pan sweeps from -80 to 80 degrees at three tilts and constant speed, repeated forever. With a field of
-// view of 80 x 64 degrees, the tilts of 20, 52 and -15 degrees overlap by half. The three rows together cover
-// the range from 47 degrees above the horizon to 84 degrees below, and from -120 to 120 degrees sideways.
+// The head pans between -80 and 80 degrees at constant speed, along three rows with different tilts, and
+// repeats these rows forever. The tilts of the rows are 20, 52 and -15 degrees. The field of view is 80 x 64
+// degrees, so neighboring rows overlap by half. The three rows together cover the range from 47 degrees above
+// the horizon to 84 degrees below, and from -120 to 120 degrees sideways.
 class SearchPattern {
  public:
   static constexpr double kSweepDeg = 80;

@@ -33,8 +33,7 @@ class WalkingMap {
   // Remembers the floor pattern in the picture for later comparison. At most 60 views are remembered.
   void remember(const FloorPicture& picture, const PlaceHistory& places);
   // Returns the directions (rad, positive to the left) in which a robot at `place` can look at remembered
-  // patterns, oldest pattern first. Each direction differs by more than 25 degrees from all earlier
-  // directions in the result.
+  // patterns, oldest pattern first. Any two directions in the result differ by more than 25 degrees.
   std::vector<double> directions_of_patterns(const motion::Place& place) const;
   // Number of calls of align() that corrected the pose.
   int corrections() const { return corrections_; }
@@ -50,11 +49,12 @@ class WalkingMap {
   void fade(const motion::Place& place);
   struct Remembered {
     map::FloorView view;
-    int pose = 0;           // number of the view's pose in the pose filter
+    int pose = 0;           // number that the pose filter gave to the pose of this view
     Eigen::Vector3d drawn;  // estimated pose at the time when the view was remembered
   };
   map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
-  // `now`: estimated pose of the robot at the exposure.
+  // Compares the picture in `matcher` with the view `before`, and corrects the pose. `now`: estimated pose of
+  // the robot at the exposure of the picture.
   bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
   // Pose of the foot at the exposure; nothing if the posture or the place is unknown.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
@@ -63,7 +63,8 @@ class WalkingMap {
   map::LocalMap map_;
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
-  // Uncorrected places at the last fade() and at the last match.
+  // Places of the robot, without the corrections by floor patterns: where fade() last acted, and where a
+  // floor pattern last matched.
   std::optional<motion::Place> faded_at_, matched_at_;
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;
@@ -81,7 +82,7 @@ struct Ahead {
   Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that limits clear_m
 };
 // Returns how far a robot at `place` may walk straight ahead, at most `until_m`. If `unknown_ends` is true,
-// the robot must also stop before unknown floor.
+// the robot must stop before unknown floor in the same way as before an obstacle.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

@@ -1,10 +1,10 @@
 // Makes a bus of servos look like a servo board: answers protocol requests and sends commands to the servos.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Through this class, Robot and all code above Robot drive bus servos without changes. Differences from a
-// firmware board (docs/howto/own-arm.md): position loop, gains and overload protection are in the servo. If
-// the host disappears, the servos hold their positions. Requests for telemetry, raw drive or the loader, and
-// requests that write calibration or address, are refused.
+// Through this class, Robot and all code above Robot drive bus servos without changes. BusBoard differs from
+// a board with firmware in some points (docs/howto/own-arm.md). The servos contain the position loop, the
+// gains and the overload protection. If the host disappears, the servos hold their positions. Requests for
+// telemetry, raw drive or the loader, and requests that write calibration or address, are refused.
 #pragma once
 
 #include <array>

@@ -86,8 +86,8 @@ class BusDriver {
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
   // Switches torque off with one packet to all servos. Then reads the torque state of each servo, and writes
-  // again until the servo answers `off`. Ends after three rounds over all servos. After `within` has passed,
-  // no further servo is read back. The first servo is always read back.
+  // again until the servo answers `off`. Ends after at most three rounds over all servos. Also ends as soon
+  // as the time `within` has passed, but always reads at least the first servo.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;

@@ -1,9 +1,10 @@
 // Requests and answers on a half-duplex bus, one at a time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The template parameter Wire defines the packets: Packet (comparable, with `id` and `parameters`), Reader,
-// wire_of(packet), and answers(packet, parameters). The function answers() returns whether a packet is an
-// answer with this number of parameters, or an answer that reports an error.
+// The template parameter Wire defines the packets. Its members are the types Packet and Reader, and the
+// functions wire_of(packet) and answers(packet, parameters). A Packet has the members `id` and `parameters`
+// and can be compared. The function answers() returns whether a packet is an answer with this number of
+// parameters, or an answer that reports an error.
 #pragma once
 
 #include <array>
@@ -81,8 +82,8 @@ class BusExchange {
     return Answer();
   }
 
-  // Queries all servos with the single request `together`, if given. Servos that do not answer this request
-  // are then queried one by one, with the request from `read_one`.
+  // Sends the single request `together` to all servos, if `together` is given. Then sends a separate request
+  // to each servo that has not answered yet. The function `read_one` makes this request.
   template <class ReadOne>
   Result<std::vector<Answer>> query_all(BusDriver::Servos servos, const Answer& together,
                                         std::size_t parameters, ReadOne read_one) {

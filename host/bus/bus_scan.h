@@ -16,7 +16,7 @@ namespace kaz::host {
 struct ScannedServo {
   int id = 0;
   int number = -1;                          // model number as reported by the servo; -1: unknown
-  const servo_bus::Model* model = nullptr;  // null: `number` is not in the tables of models
+  const servo_bus::Model* model = nullptr;  // null: no table of models contains `number`
   // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
   // `late` counts requests that failed while this machine was late. Such failures are not in `lost` and
   // `damaged`, because their cause is undecided.
@@ -38,8 +38,8 @@ struct ScanOptions {
   std::function<void(int id)> progress = nullptr;
   // Measures delays of this process at the scan's link and clock, in real time. May be null.
   LatenessMeter* lateness = nullptr;
-  // Called for an id without an answer if this machine was late in all repetitions. `excuse` is the text from
-  // LatenessMeter::excuse().
+  // Called for each id that stays undecided: no servo answered, but this machine was late in all repetitions.
+  // `excuse` is the text from LatenessMeter::excuse().
   std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 

@@ -51,9 +51,9 @@ class DynamixelDriver final : public BusDriver {
                                           std::size_t count);
 
   Exchange exchange_;
-  // may_be_fast_: the servos may support fast sync read. was_fast_: a complete answer has confirmed the
-  // support. The driver rules out fast sync read if the firmware of a servo is too old. It also does so if
-  // two answers are missing before the first complete answer.
+  // may_be_fast_ becomes false when the driver rules out fast sync read. The reason is that the firmware of a
+  // servo is too old, or that two answers were missing before the first complete answer. was_fast_ becomes
+  // true with the first complete answer to a fast sync read.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
   Time circuit_due_{};  // time at which voltages and temperatures are read next

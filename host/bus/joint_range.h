@@ -30,8 +30,8 @@ class RangeSweep {
   double low() const { return low_; }
   double high() const { return high_; }
   double width() const { return high_ - low_; }
-  // Returns whether two consecutive readings were more than a quarter turn apart, which makes the sweep
-  // ambiguous.
+  // Returns whether two consecutive readings were more than a quarter turn apart. The direction of the turn
+  // between these readings is then uncertain.
   bool jumped() const { return jumped_; }
 
  private:
@@ -59,7 +59,7 @@ struct RangePlan {
   double zero = 0;           // position of the joint's zero, for bus.json, steps
 };
 
-// Minimum distance in steps between the range and the end of a turn.
+// Minimum distance, in steps, from the joint's range to the place at which the servo's position wraps.
 inline constexpr double kRangeMargin = 40;
 
 // Returns the share (0..1) of the joint's range in the robot file that was swept so far.

@@ -35,13 +35,12 @@ struct AngleTerm {
 struct Equation {
   std::vector<AngleTerm> angles;
   std::vector<std::pair<int, double>> others = {};  // pairs: index of the unknown, its weight
-  double value = 0, sigma = 1;                      // unit: rad times the unit of the weights
+  double value = 0, sigma = 1;                      // unit: rad times the unit of AngleTerm::weight
 };
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  // Distance from the nominal line to `line` in the middle of the joint's range; positive if `line` gives the
-  // larger angle.
+  // Angle on `line` minus the angle on the nominal line, at the code in the middle of the joint's range.
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;

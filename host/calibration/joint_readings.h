@@ -6,9 +6,9 @@
 //
 // Stops lie outside the joint limits, and a board does not drive a joint beyond its limits. So the
 // calibration in RAM is replaced by a calibration with 0.85 of the nominal scale. With this calibration,
-// every stop seems to be well inside the limits. With low gains and a target 6 degrees beyond the stop, a
-// joint presses with a third of its torque. The caller ensures free space: only the stop may end a joint's
-// motion.
+// every stop seems to be well inside the limits. To press against a stop, a joint gets a target 6 degrees
+// beyond the stop. The gains are low. So a joint presses with about a third of its torque, and a hand with
+// about a sixth. The caller ensures free space: only the stop may end a joint's motion.
 //
 // Afterwards, the caller must restore gains, limits and calibration.
 #pragma once
@@ -68,27 +68,27 @@ Result<FloorReading> read_here(host::Robot& robot,
 
 // ---- Equations
 
-// Standard deviation of the angle at a stop, rad. Stops are milled to 0.1 degrees and yield by less than 0.1
-// degrees.
+// Standard deviation of the angle at a stop, rad. Stops are milled with a tolerance of 0.1 degrees. Under
+// load, they yield by less than 0.1 degrees.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// Standard deviation of the angle of a stored line at a stop, rad. The value is larger than kStopSigma,
-// because floor readings or a gauge may have moved the line away from the stop's true angle.
+// Standard deviation of the angle that a stored line gives for a stop, rad. Earlier floor readings or a gauge
+// possibly moved the line away from the true angle of the stop. So this value is larger than kStopSigma.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// Adds an equation for each stop of a joint. The equation pairs the angle of the stop with the code that the
-// stored calibration `line` gives for this angle. A stored calibration passes near the true angles of the
-// stops.
+// Adds an equation for each stop of a joint without reading the stop. Instead of a reading, the equation uses
+// the code at which the stored calibration `line` has the angle of the stop. A stored calibration passes near
+// the true angles of the stops.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
-// Returns the prior standard deviations (g) of the additional unknowns of add_floor(), in pairs for each
-// reading: forward and left. Each unknown is the change of the accelerometer's zero offset since the previous
-// reading; for the first reading, the unknown is the zero offset itself.
+// Returns the prior standard deviations (g) of the additional unknowns of add_floor(). Each reading has two
+// of these unknowns: forward and left. Each unknown is the change of the accelerometer's zero offset since
+// the previous reading; for the first reading, the unknown is the zero offset itself.
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
 // Adds equations which state that both soles lie on one plane. If FloorReading::has_force is true, the normal
 // of this plane is also the direction of the specific force. The additional unknowns of `to` must be
-// floor_unknowns(). `about`: solution at which the equations are linearized.
+// floor_unknowns(). The equations are linear approximations near the solution `about`.
 void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,
                const JointEstimator::Solution& about);
 

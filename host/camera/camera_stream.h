@@ -14,8 +14,8 @@ struct CameraStream {
   Time latency{};  // time from the middle of the exposure to the delivery of the pair
 };
 
-// Maximum latency, and maximum time by which an exposure may be ahead of the reader's clock. Writer and
-// reader of a stream use CLOCK_MONOTONIC of the same machine.
+// kMaxCameraLatency is the maximum latency. kMaxCameraAhead limits how far the time of an exposure can be
+// ahead of the reader's clock. Writer and reader of a stream use CLOCK_MONOTONIC of the same machine.
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 
@@ -23,8 +23,8 @@ inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 // camera. A camera is invalid if its size, intrinsics, baseline or latency is out of range. Messages contain
 // `path`.
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
-// Fails (environment) if the header is not a pair header, or if the time of the exposure is negative or more
-// than kMaxCameraAhead after `now`.
+// Fails (environment) if the header is not a pair header. Also fails if the time of the exposure is negative,
+// or later than `now` + kMaxCameraAhead.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path);
 

@@ -56,7 +56,7 @@ class PublishedCamera final : public vision::Camera {
   std::mutex mutex_;
   std::deque<vision::StereoPair> waiting_;
   std::optional<Error> stopped_;
-  std::thread reader_;  // last member, because the thread uses all members above
+  std::thread reader_;  // must be the last member: the thread uses the members above
 };
 
 }  // namespace kaz::host

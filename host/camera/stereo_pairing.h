@@ -32,9 +32,9 @@ class StereoPairing {
   // Size of each side's queue. If a queue is full, its oldest picture is dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum time between the exposures of a pair. If the tolerance is at most half the cameras'
-  // period, the first partner within the tolerance is also the nearest partner. So pairing need not wait for
-  // the next picture.
+  // `tolerance`: maximum time between the exposures of a pair. With a tolerance of at most half the cameras'
+  // period, no later picture is a nearer partner than the first picture within the tolerance. So pairing does
+  // not wait for later pictures.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
   // Queues a picture. A picture that is not newer than the last picture of the same side is dropped and
@@ -55,7 +55,8 @@ class StereoPairing {
     std::uint64_t alone = 0, out_of_order = 0;
     void drop_first();
   };
-  // Returns whether the second waiting picture of `line` is nearer to `t` than the first one.
+  // Returns whether the second picture in the queue of `line` was exposed nearer to the time `t` than the
+  // first picture.
   static bool second_is_nearer(const Line& line, Time t);
   const Line& of(EyeSide side) const { return lines_[static_cast<std::size_t>(side)]; }
 

@@ -103,7 +103,7 @@ class V4l2Camera final : public vision::Camera {
   std::deque<vision::StereoPair> waiting_;
   V4l2Statistics statistics_;
   std::optional<Error> stopped_;
-  std::thread reader_;  // last member, because the thread uses all members above
+  std::thread reader_;  // must be the last member: the thread uses the members above
 };
 
 }  // namespace kaz::host

@@ -32,8 +32,8 @@ struct V4l2Wanted {
 // no bandwidth left.
 Error v4l2_error(const std::string& path, const std::string& doing, int error_number);
 
-// Meaning of a driver's time stamps. `arrival`: the stamps are not on CLOCK_MONOTONIC, and the time at which
-// the picture was read is used instead.
+// Meaning of a driver's time stamps. `arrival`: the driver's stamps are not on CLOCK_MONOTONIC, so the stamp
+// is the time at which the picture was read.
 enum class Stamp : std::uint8_t { start_of_exposure, end_of_frame, arrival };
 // Returns the middle of an exposure. `exposure_time` is zero if unknown.
 Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);

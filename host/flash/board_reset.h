@@ -20,10 +20,10 @@ class BoardReset {
   virtual std::string name() const = 0;
 };
 
-// Resets a board by modem lines. DTR is wired to RES (active: in reset), RTS to the mode pins (active: boot
-// mode). A reset lasts 25 ms. If the oscillator runs, the chip needs only 20 clock cycles. Opening a port
-// activates both lines, so the board is held in reset until the first reset(). `port` and `clock` must
-// outlive this object.
+// Resets a board by modem lines. DTR is wired to RES; while DTR is active, the board is in reset. RTS is
+// wired to the mode pins; an active RTS selects boot mode. A reset lasts 25 ms. This is much longer than the
+// 20 clock cycles that the chip needs while its oscillator runs. Opening a port activates both lines, so the
+// board is held in reset until the first reset(). `port` and `clock` must outlive this object.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}

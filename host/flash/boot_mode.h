@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The steps and bytes are taken from the boot mode chapters in the hardware manuals of the related H8S/2138A
-// and H8S/2148. Where the manuals are ambiguous, all variants are accepted: H'AA may follow H'55 or not, and
-// one or two H'AA may come at the end.
+// and H8S/2148. The manuals are ambiguous in two points, so the host accepts all variants. The chip answers
+// H'55 with H'AA or with nothing. At the end, the chip sends one or two bytes H'AA.
 #pragma once
 
 #include <cstdint>

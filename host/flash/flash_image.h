@@ -69,12 +69,12 @@ class FlashImage {
   // Returns whether vectors or loader are part of the image. An update through the loader writes neither
   // vectors nor loader: the board keeps its own vectors and loader.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
-  // Checks vectors and loader against the loader's mark. Returns a description of the fault; empty if both
-  // are valid.
+  // Compares the CRC of vectors and loader with the CRC in the loader's mark (shared/flash/image.h). Returns
+  // a description of the fault; empty if both are valid.
   std::string loader_damage() const;
 
  private:
-  // Returns the CRC-16 of the range, continued from the CRC `from`.
+  // Returns the CRC-16 of the range. The initial value is `from`, for example the CRC of the preceding bytes.
   std::uint16_t crc(FlashRange range, std::uint16_t from) const;
   std::vector<FlashRange> ranges(std::uint32_t longest, bool with_blank) const;
 

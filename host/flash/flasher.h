@@ -45,12 +45,13 @@ struct FlasherOptions {
   std::function<void(const std::string&)> note;  // called with one line for the user
 };
 
-// Erase and programming times of a chip that programs 32 bytes at once. The lower bound on the duration of
-// flashing is computed from these times.
+// Times that a chip needs to erase and to program its flash. The chip programs 32 bytes at once. The lower
+// bound on the duration of flashing is computed from these times.
 struct FlashTimes {
   static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
-  // Time to program one line, which is the sum of the waits in the programming algorithm. In us: 10 (SWE) +
-  // 50 (PSU) + 150 (P) + 10 (alpha) + 10 (beta) + 4 (PV) + 16 * 2 (words) + 4 (PV off) + 100 (SWE off).
+  // Time to program one line. This time is the sum of the waits in the programming algorithm, in us:
+  //   10 (SWE) + 50 (PSU) + 150 (P) + 10 (alpha) + 10 (beta) + 4 (PV) + 16 * 2 (words) + 4 (PV off)
+  //   + 100 (SWE off)
   static constexpr double program_line_s = 0.00037;
 };
 
@@ -104,7 +105,8 @@ class Flasher {
   Result<FlashReport> verify(const FlashImage& image);
   Result<void> erase(const std::vector<int>& blocks);
   Result<std::vector<std::uint8_t>> read(FlashRange range);
-  // Leaves the writer through the reset vector, or by `reset` if `reset` is not null.
+  // Starts the program in the flash. If `reset` is not null, uses it to reset the board. Otherwise the flash
+  // writer jumps to the reset vector.
   Result<void> run(BoardReset* reset);
 
   // Describes the state of the board after a failure, and the remedy. The text is empty after success, or if
@@ -134,7 +136,7 @@ class Flasher {
   WriterLink writer_;
   std::optional<WriterInfo> info_;
   std::optional<std::uint16_t> board_id_;
-  bool blank_ = false;  // boot mode has erased everything, and no block is written yet
+  bool blank_ = false;  // the flash is still blank after boot mode erased it
   State state_ = State::untouched;
   Time started_{};
   double min_seconds_ = 0;

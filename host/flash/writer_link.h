@@ -48,7 +48,7 @@ class WriterLink {
  public:
   // All arguments must outlive this object. `lateness` measures delays of this process at the same link and
   // clock, in real time; `lateness` may be null. A failed try does not count if this machine was late during
-  // the try. At most LatenessMeter::kRepetitions tries of an exchange are excused in this way.
+  // the try. In each exchange, this rule excuses at most LatenessMeter::kRepetitions tries.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
@@ -56,10 +56,10 @@ class WriterLink {
   // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
   // Sends requests in order and repeats a request if its reply is missing. Up to KZ_WRITER_WINDOW requests
-  // may wait for replies at the same time. The timeout is at least `patience` and grows with the response
-  // time, up to four times `patience`. `next` is called when another request can be sent, and returns nothing
-  // after the last request. `answered` is called with each reply in order; an error from `answered` ends the
-  // exchange.
+  // may wait for replies at the same time. The timeout for a reply is twice the response time, but at least
+  // `patience` and at most four times `patience`. After a repetition, the timeout is up to three times as
+  // long. `next` is called when another request can be sent, and returns nothing after the last request.
+  // `answered` is called with each reply in order; an error from `answered` ends the exchange.
   Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
@@ -83,8 +83,8 @@ class WriterLink {
   // slow.
   Result<void> settle();
   void begin_try();
-  // Returns whether the try since begin_try() does not count because this machine was late. If so, decrements
-  // `left`, the number of further tries that may be excused.
+  // Returns whether the failed try since begin_try() is excused because this machine was late. `left` is the
+  // number of tries that can still be excused. If the function returns true, it decrements `left`.
   bool excused(int& left) const;
   tl::unexpected<Error> no_answer(int tries) const;
 

@@ -10,15 +10,16 @@
 //   kCanReplies + 1..14    replies from this address
 //   kCanRequests + 15      requests to all boards
 //
-// The two identifiers of an address form a pair: each identifier also carries the flow control for messages
-// with the other identifier. A broadcast has no flow control, because a broadcast has several receivers.
+// Each address has two identifiers, one for requests and one for replies. The receiver of a message sends its
+// ISO-TP flow control with the other one of these two identifiers. A broadcast has no flow control, because a
+// broadcast has several receivers.
 //
 // A frame with any other address (a damaged frame, or a frame from a test) is sent to all boards. As on a
 // serial line, all boards ignore such a frame. A CAN link cannot transfer pauses between bytes, framing and
 // parity errors, the bit rate, or bytes that are not followed by a zero byte.
 //
-// The kernel aborts a transfer one second after the receiver stops answering. CanLink aborts a transfer after
-// kGiveUp, so that a board is reachable again soon after the board starts to answer again.
+// The kernel aborts a transfer one second after the receiver stops answering. CanLink aborts a transfer
+// earlier, after kGiveUp. So a board that starts to answer again is soon reachable.
 #pragma once
 
 #include <array>
@@ -56,8 +57,8 @@ class CanLink final : public PortLink {
  public:
   enum class End {
     host,  // sends requests to all 14 addresses
-    // Sends replies of the boards with Options::addresses. Receives broadcasts and the requests to these
-    // boards.
+    // Represents the boards with the addresses in Options::addresses: sends their replies, and receives
+    // broadcasts and the requests to these boards.
     board,
   };
   struct Options {

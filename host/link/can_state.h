@@ -16,8 +16,8 @@ struct CanState {
   // Controller state, an `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller.
   std::optional<std::uint32_t> controller;
 
-  // Returns whether the controller is bus-off. If `controller` is empty, returns whether the carrier is
-  // missing.
+  // Returns whether the controller is bus-off. An interface without a controller counts as bus-off if it has
+  // no carrier.
   bool bus_off() const;
 };
 

@@ -1,23 +1,23 @@
 // Relates a board's ticks to host time, with a bound on the error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The times of a request and its reply give bounds on the start time s of the tick whose number is in the
-// reply. In a tick, the board reads only bytes that arrived before the start of the tick. The reply leaves
-// with the next tick at the earliest. Hence
+// A reply of the board contains the number of a tick. Let s be the host time at which this tick started. The
+// times of the request and of the reply limit s, for two reasons. In a tick, the board reads only bytes that
+// arrived before the start of the tick. The reply leaves with the next tick at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
-// So offset = s - tick * 1 ms lies in an interval [lo, hi]. Intervals of successive exchanges are intersected
-// (Marzullo, "Maintaining the time in a distributed system", 1983), so the fastest exchanges set the bounds.
-// Between exchanges the interval grows on both sides by kDriftBound times the elapsed time, because the
-// crystals of board and host differ. Let q be (hi - lo) / 2. The host time of a tick follows from this
-// formula:
+// So the offset between the two clocks, s - tick * 1 ms, lies in an interval [lo, hi]. Intervals of
+// successive exchanges are intersected (Marzullo, "Maintaining the time in a distributed system", 1983), so
+// the fastest exchanges set the bounds. Between exchanges the interval grows on both sides by kDriftBound
+// times the elapsed time, because the crystals of board and host differ. Let q be (hi - lo) / 2. The host
+// time of a tick follows from this formula:
 //
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
-// In this formula, `distance` is the time between the tick and the latest exchange. An empty intersection
-// means that the board was reset, or that the board's clock does not run steadily (for example, because a
-// simulator lost time). The relation then starts again from the latest exchange.
+// In this formula, `distance` is the time between the tick and the latest exchange. If an intersection is
+// empty, the board was reset, or the board's clock did not run steadily. For example, a simulator lost time.
+// The relation then starts again from the latest exchange.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,8 @@ class ClockRelation {
   // Host time at which `tick` started. Requires known(). For ticks within 24 days of the latest exchange, the
   // wrap of the 32-bit counter is taken into account.
   Time host_time(std::uint32_t tick) const;
-  // Bound on the error of host_time() for the tick of the latest exchange (q above).
+  // Maximum error of host_time() for the tick of the latest exchange. The comment at the top of this file
+  // calls this error q.
   Time error_bound() const { return (high_ - low_) / 2; }
   // Number of empty intersections since construction.
   int restarts() const { return restarts_; }

@@ -29,8 +29,9 @@ struct Request {
 struct Reply {
   bool refused = false;  // true: `fields` contains the fields of kz_refused
   Fields fields;
-  // The members below are for the clock relation and describe the answered transmission. `timed` is false if
-  // the request was repeated, because the reply may then belong to either transmission.
+  // The members below are for the clock relation and describe the answered transmission. If the request was
+  // sent more than once, it is uncertain which transmission the reply answers. In this case, `timed` is
+  // false.
   bool timed = false;
   Time sent{};  // earliest time at which the first byte of the request could leave
   Time received{};
@@ -90,8 +91,8 @@ class Exchanger {
   // Time at which the last request was written. In a group of boards, each board has such a time, and the
   // oldest one is returned.
   virtual Time last_sent() const = 0;
-  // Whether a board of a group has restarted since the last call. Always false for a single board, because
-  // the ticks in the replies of a single board show a restart.
+  // Whether a board of a group has restarted since the last call. For a single board, always returns false:
+  // the caller detects a restart from the tick numbers in the board's replies.
   virtual bool take_restart() { return false; }
 };
 

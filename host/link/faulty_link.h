@@ -1,9 +1,9 @@
 // A link that injects line faults (docs/reference/simulator.md) on any port, including real ones.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Supports only faults of the line. This class cannot inject framing errors, so a byte that is sampled at a
-// wrong speed arrives with a wrong value and without an error. Delayed bytes to the board leave at the next
-// write or read after the delay. Start times of faults count from the construction of the FaultyLink.
+// Supports only faults of the line. This class cannot inject framing errors. So an error of the bit rate
+// changes only the values of the bytes. Delayed bytes to the board leave at the next write or read after the
+// delay. Start times of faults count from the construction of the FaultyLink.
 #pragma once
 
 #include <deque>

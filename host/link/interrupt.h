@@ -35,8 +35,8 @@ class Interrupt {
   // Descriptor for poll(). The descriptor becomes readable with request() and stays readable. During a
   // clean-up, returns -1, which poll() ignores.
   int descriptor() const noexcept;
-  // Longest time that poll() may wait if the caller's remaining time is `left`. During a clean-up, the wait
-  // must not last beyond the end of the clean-up.
+  // Returns the timeout for poll(). Usually this is `left`, the time that the caller still has. During a
+  // clean-up, the timeout is shorter if the clean-up ends earlier.
   Time max_wait(Time left) const noexcept;
 
   // The error of an interrupted call: Fault::interrupted, "interrupted".

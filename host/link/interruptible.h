@@ -42,7 +42,7 @@ class InterruptibleClock final : public Clock {
 
 class InterruptibleLink final : public Link {
  public:
-  // `clock` must have the time scale of the link's deadlines. All references must outlive the link.
+  // The deadlines of read() must be times of `clock`. All references must outlive the link.
   InterruptibleLink(Link& link, const Clock& clock, const Interrupt& interrupt)
       : InterruptibleLink(link, clock, &interrupt) {}
   InterruptibleLink(Link& link, const Clock& clock, const Interrupt* interrupt)

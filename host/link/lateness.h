@@ -3,8 +3,9 @@
 //
 // On a busy machine, a process may wait for the processor, and then send requests late and read replies late.
 // During such a delay, a board's watchdog may react, or a timeout may expire. LatenessMeter forwards all
-// calls and compares the end of each wait with the deadline of the wait. A long wait for bytes is divided
-// into slices. Without the slices, a late return of read() would look like a late arrival of the bytes.
+// calls and compares the end of each wait with the deadline of the wait. LatenessMeter divides a long wait
+// for bytes into slices. The slices distinguish two causes of a delay: the bytes arrived late, or read()
+// returned late.
 #pragma once
 
 #include <functional>
@@ -20,8 +21,9 @@ class LatenessMeter final : public Link, public Clock {
   static constexpr Time kSlice = std::chrono::milliseconds(2);
   // Smallest delay that is added to total(). Shorter delays are normal (timer slack, context switches).
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
-  // Thresholds of excuse(). A single delay is an excuse if it is at least kExcusing. The total delay is an
-  // excuse if it is at least kExcusing and also exceeds kExcusingShare of the time since begin().
+  // Thresholds of excuse(). A single delay is an excuse if it is at least kExcusing. The sum of all delays is
+  // an excuse if two conditions are met. It is at least kExcusing, and it exceeds the share kExcusingShare of
+  // the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions
@@ -44,9 +46,9 @@ class LatenessMeter final : public Link, public Clock {
   Time longest() const { return longest_; }
   Time total() const { return total_; }
   // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
-  // ...". Returns an empty text if this process was on time; a failure is then the board's fault. Delays
-  // shorter than `at_least` are never an excuse, even if there are many of them, because the measured
-  // operation tolerates short delays.
+  // ...". Returns an empty text if this process was on time; a failure is then the board's fault. The
+  // measured operation tolerates delays shorter than `at_least`. So such delays are never an excuse, not even
+  // many of them together.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() found that the program at the other end does not reply. If the result is true,
   // further repetitions are useless.
@@ -69,7 +71,7 @@ class LatenessMeter final : public Link, public Clock {
   Link& link_;
   Clock& clock_;
   TimeLost other_end_;
-  std::optional<Time> lost_before_;  // empty: the other end did not reply
+  std::optional<Time> lost_before_;  // other_end_() at begin(); empty: no reply
   mutable bool other_end_gone_ = false;
   Time began_, left_, longest_{}, total_{};
 };

@@ -1,4 +1,4 @@
-// A link that a program opens by a port address, independent of the transport.
+// Interface of the links that a program opens by a port address: serial ports, CAN, TCP and servo buses.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -21,8 +21,8 @@ class PortLink : public Link, public ModemLines {
   // Descriptor for poll(). The descriptor becomes readable when `read` has work to do. The function returns
   // -1 while the link is lost. The descriptor may change in reopen().
   virtual int descriptor() const = 0;
-  // Whether `read` has work that descriptor() does not indicate: unsent bytes, which `read` also sends, or
-  // bytes already received.
+  // Whether to call `read` although descriptor() is not readable. Reason: the link still has bytes to send,
+  // or has received bytes that `read` has not returned.
   virtual bool has_unsent() const { return false; }
   // Whether all written bytes have left the port, as far as the operating system reports.
   virtual bool drained() const { return !has_unsent(); }

@@ -15,15 +15,16 @@
 namespace kaz::host {
 
 // A link to the currently connected client. As long as there is no client, written bytes are dropped and no
-// bytes are read. If the first client has used the port, a second client is disconnected at once. If the
-// first client has not used the port, the second client replaces the first one. A raw client has used the
-// port as soon as its first byte has arrived. An RFC 2217 client has used the port as soon as the client has
-// agreed to option 44. The link never fails permanently: when a client leaves, the link waits for the next
-// client. If no descriptor is free for a waiting client, the server retries every 100 ms.
+// bytes are read. If a second client connects after the first client has used the port, the second client is
+// disconnected at once. If the first client has not used the port yet, the second client replaces the first
+// client. A raw client has used the port as soon as its first byte has arrived. An RFC 2217 client has used
+// the port as soon as the client has agreed to option 44. The link never fails permanently: when a client
+// leaves, the link waits for the next client. If no descriptor is free for a waiting client, the server
+// retries every 100 ms.
 //
-// A client that starts like a web browser is disconnected (browser_guard.hpp). With RFC 2217, no byte passes
-// in either direction before the client has agreed to telnet option 44. Before this agreement, the client's
-// bytes are dropped and the client's commands are ignored.
+// A client is disconnected if its first bytes could come from a web browser (browser_guard.hpp). With RFC
+// 2217, no byte passes in either direction before the client has agreed to telnet option 44. Before this
+// agreement, the client's bytes are dropped and the client's commands are ignored.
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
 // next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
@@ -52,8 +53,8 @@ class PortServer final : public PortLink {
   bool has_client() const { return stream_.is_open(); }
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
-  // The descriptor also becomes readable when a client connects. Returns -1 while a command waits until the
-  // board's port is drained.
+  // The descriptor also becomes readable when a client connects. A client's command waits until the board's
+  // port has sent all its bytes; during this time, the function returns -1.
   int descriptor() const override { return command_ ? -1 : events_.get(); }
   bool has_unsent() const override {
     return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;
@@ -85,7 +86,8 @@ class PortServer final : public PortLink {
   bool listening_ = true;  // true: events_ watches listener_
   Time accept_from_{};     // time before which no client is accepted
   ByteStream stream_;
-  // The client accepts no more bytes; bytes from the client may still be unread.
+  // True: a write to the client failed, so nothing more is written. Bytes from the client may still be
+  // unread.
   bool leaving_ = false;
   std::string peer_;
   BrowserGuard guard_{BrowserGuard::Peer::frames};

@@ -15,12 +15,12 @@
 // the request is repeated once. No request reuses one of the last 16 sequence numbers.
 //
 // An old command never overtakes a newer command. A request that changes something waits until all earlier
-// requests that change something have been answered. So at most one query is sent between a request that
-// changes something and the retry of this request. The board still recognizes the retry of this request,
-// because the board remembers KZ_REQUESTS_REMEMBERED requests. The reply to a query shows the effect of all
-// commands that were posted before the query. If the query was lost and repeated, the reply can also show the
-// effect of requests that were posted after the query. The tick in the reply is the time of the returned
-// state.
+// requests that change something have been answered. So at most one query is sent between the first
+// transmission and the retry of a request that changes something. The board still recognizes the retry of
+// this request, because the board remembers KZ_REQUESTS_REMEMBERED requests. The reply to a query shows the
+// effect of all commands that were posted before the query. If the query was lost and repeated, the reply can
+// also show the effect of requests that were posted after the query. The tick in the reply is the time of the
+// returned state.
 #pragma once
 
 #include <cstdint>
@@ -96,7 +96,7 @@ class Requester final : public Exchanger {
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
   std::list<Waiting> queue_;  // requests in the order in which they may leave
-  Time wire_free_{};          // earliest time at which all written bytes have left
+  Time wire_free_{};  // time at which the last written byte leaves the port, at the earliest
   Time last_sent_{};
   std::optional<int> tries_limit_;
   RoundTrip round_trip_;

@@ -13,8 +13,8 @@ namespace kaz::host {
 // connected.
 std::vector<std::string> serial_port_candidates();
 
-// Whether the adapter's driver delivers received bytes without delay. `bus` and `network` are for links that
-// are not serial ports.
+// Whether the adapter's driver delivers received bytes without delay. For links other than serial ports, the
+// value is `bus` (CAN) or `network` (TCP).
 enum class LowLatency { set, refused, pseudo_terminal, bus, network };
 struct OpenPort {
   int descriptor = -1;  // the caller must close the descriptor
@@ -37,8 +37,8 @@ std::string group_with_access(const std::string& path);
 
 // Returns the error message for a port that the user may not open. If `group` (from group_with_access()) is
 // not empty, the message suggests that the user joins this group. If `group` is empty, the message suggests a
-// udev rule for the USB adapter, or chmod if `vendor` and `product` are empty. `vendor` and `product` are
-// hexadecimal USB numbers, as in sysfs.
+// udev rule for the USB adapter. If `vendor` and `product` are empty, too, the message suggests chmod.
+// `vendor` and `product` are hexadecimal USB numbers, as in sysfs.
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group);
 

@@ -57,8 +57,8 @@ class Reader {
   // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before
   // the end of a command. Removes the parsed bytes from `wire`.
   std::optional<Command> take(std::span<const std::uint8_t>& wire);
-  // Returns the data bytes parsed since the last call. All returned bytes came before the command that take()
-  // returned last.
+  // Returns the data bytes parsed since the last call. If the last call of take() returned a command, all
+  // these bytes came before the command.
   std::vector<std::uint8_t> take_data();
   // Number of sub-negotiations that were dropped: too long, for another option, or broken off.
   std::uint64_t dropped() const { return dropped_; }
@@ -92,8 +92,8 @@ enum class End { client, server };
 // So two ends that negotiate never answer each other endlessly.
 class Options {
  public:
-  // Writes this end's initial offers and requests. A server does not offer option 44 first. The client
-  // pyserial would take such an offer for the reply to its own offer, and then never send its own offer.
+  // Writes this end's initial offers and requests. A server does not offer option 44 first. Reason: the
+  // client pyserial would mistake this offer for a reply, and would never send its own offer.
   void begin(End end, std::vector<std::uint8_t>& wire);
   // Processes an option command from the other end, and appends the reply to `wire` if a reply is due.
   void take(const Command& command, std::vector<std::uint8_t>& wire);

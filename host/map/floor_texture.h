@@ -26,7 +26,7 @@ namespace kaz::map {
 struct FloorView {
   static constexpr int kCells = 128;
   static constexpr double kCell = 0.008;  // m
-  // Numbers of the view's first cell in x and y; cell 0 begins at the map's origin.
+  // Indices (x, y) of the view's first cell in the grid of the map; cell (0, 0) begins at the map's origin.
   Eigen::Vector2i corner{0, 0};
   // Brightness at index x * kCells + y, -127..127; 0 where unknown.
   std::vector<std::int16_t> value;
@@ -35,10 +35,10 @@ struct FloorView {
 };
 
 // Input of a view: rectified left image, its planes, and the pose of the foot. If `depth` and `map` are not
-// null, additional pixels can count as floor. For such a pixel, the map must have floor at the pixel's place.
-// The depth of the pixel must agree with the floor or be missing. Without such additional pixels, a floor of
-// planks shows little of its pattern, because the edges of planks are parallel to the picture's rows. All
-// references must outlive this object.
+// null, additional pixels can count as floor. An additional pixel must show a place that is floor on the map.
+// The depth of the pixel must agree with the floor or be missing. These pixels matter on planks: stereo
+// measures no depth at edges that are parallel to the picture's rows. All references must outlive this
+// object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`
@@ -76,8 +76,8 @@ class FloorMatcher {
   double floor_in_common(const FloorView& before);
   // Returns the correction, or nothing if there is no clear match. A clear match has at least 0.12 m^2 in
   // common and a correlation of at least 0.4. The peak of the correlation must be inside the search range
-  // `within`, and inside the range of shifts with enough common floor. On planks, the shift along the grain
-  // is unknown if the correlation hardly falls in that direction.
+  // `within`. The shifts next to the peak must also have enough common floor. On planks, the shift along the
+  // grain is unknown if the correlation hardly falls in that direction.
   std::optional<FloorShift> match(const FloorView& before, const FloorSearch& within = {});
   // Returns the view at the picture's assumed pose.
   const FloorView& view() { return turned(0); }

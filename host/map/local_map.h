@@ -14,34 +14,35 @@
 //   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. This
 //   direction of projection leaves no holes far away, where a pixel is larger than a cell. Also, cells behind
 //   an obstacle get no floor votes.
-// - Obstacle. A pixel with a depth is a point, unless the pixel belongs to the floor segment. A point votes
-//   for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the robot. The height
-//   of the point must also be larger than three times its standard deviation. A cell's vote is 1 if the
-//   cell's points fill a quarter of the cell's width and height. The vote is less if a neighboring cell has
-//   more points. Stereo errors move a point only along its ray, and the face of an obstacle is never nearer
-//   than the obstacle's foot. So a point whose cell is floor in the same picture is moved along its ray by up
-//   to two sigma, to a cell without floor. If the floor ends below a point in the picture, the distances of
-//   this end and of the point are compared. If the distances differ by at most three sigma, the point is
-//   moved to the end of the floor. A face without texture has no depth between its two edges. If both edges
-//   are at the end of the floor, the whole face is placed there (contact_line.h).
-// - Hole. A point counts as below the floor if it is lower by more than `drop_m` and three sigma. The point's
-//   ray must have crossed the plane of the floor at a place without floor. The cell at this place is an
-//   obstacle.
+// - Obstacle. Each pixel that has a depth gives a point in space, except pixels of the floor segment. A point
+//   votes for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the robot. The
+//   height of the point must also be larger than three times its standard deviation. A cell's vote is 1 if
+//   the cell's points fill a quarter of the cell's width and height. The vote is less if a neighboring cell
+//   has more points. Stereo errors move a point only along its ray, and the face of an obstacle is never
+//   nearer than the obstacle's foot. So the position of a point is wrong if the same picture shows floor in
+//   its cell. Such a point is moved along its ray by up to two sigma, to a cell without floor. If the floor
+//   ends below a point in the picture, the distances of this end and of the point are compared. If the
+//   distances differ by at most three sigma, the point is moved to the end of the floor. A face without
+//   texture has no depth between its two edges. If both edges are at the end of the floor, the whole face is
+//   placed there (contact_line.h).
+// - Hole. A point counts as below the floor if its depth below the floor exceeds both `drop_m` and three
+//   sigma. The point's ray must have crossed the plane of the floor at a place without floor. The cell at
+//   this place is an obstacle.
 //
 // Some points are strays and do not count. A point is a stray if the points above and below have another
-// depth. A point is also a stray if its cell has fewer points than even a low obstacle would have. If an
-// object stands at the end of the floor, a lower point beyond this end is a stray, too. The depth of such a
-// point is a mixture of the depths of the object's rim and of the floor behind the object (contact_line.h).
+// depth. A point is also a stray if its cell and the eight neighboring cells have too few points for even a
+// low obstacle. If an object stands at the end of the floor, a lower point beyond this end is a stray, too.
+// The depth of such a point is a mixture of the depths of the object's rim and of the floor behind the object
+// (contact_line.h).
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
-// it. If tilt, roll and height are computed from the posture of a walking robot, the angles err by 0.65
-// degrees and the height by 4 mm (one sigma). At a distance of 1 m, such errors move a point of the floor by
-// 4 cm.
+// it. If the robot walks, its posture gives less exact values: one sigma is 0.65 degrees for the angles and 4
+// mm for the height. At a distance of 1 m, such errors move a point of the floor by 4 cm.
 //
-// The weight of a vote is min(1, cell_m / dz), where dz = z^2 / (fx baseline) disparity_error_px is one sigma
-// of the depth z. Votes add up as log-odds, so their order does not matter until a cell saturates. A cell
-// saturates as an obstacle at log-odds of 10. A cell saturates as floor at log-odds of -3, which five votes
-// reach.
+// The weight of a vote is min(1, cell_m / dz). Here, dz is the standard deviation of the depth z: dz =
+// disparity_error_px * z^2 / (fx * baseline). Votes add up as log-odds, so their order does not matter until
+// a cell saturates. A cell saturates as an obstacle at log-odds of 10. A cell saturates as floor at log-odds
+// of -3, which five votes reach.
 #pragma once
 
 #include <cstddef>
@@ -78,7 +79,8 @@ struct LocalMapOptions {
 
 struct Cell {
   CellState state = CellState::unknown;
-  double confidence = 0;  // |2p - 1|, 0..1; p is the probability of an obstacle
+  // From 0 to 1: |2p - 1|, where p is the probability that the cell is an obstacle.
+  double confidence = 0;
 };
 
 // A part of the robot that its eyes may see: a capsule around the line from `from` to `to`. Coordinates are
@@ -106,8 +108,8 @@ class LocalMap {
 
   // Enters the floor and depth of one image pair. `info` (usually planes.info) contains camera and posture.
   // `map_from_foot` is the pose of the foot at the exposure, with the sole on z = 0. `own` lists parts of the
-  // robot. Pixels on these parts are not entered as obstacles. The same applies to pixels within 10 px of a
-  // part's outline, in a picture 320 px wide.
+  // robot. Pixels on these parts are not entered as obstacles. Pixels nearer to the outline of a part than
+  // 1/32 of the picture's width are not entered either.
   //
   // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than the exposure
   // of the last update. Errors (usage): planes and depth have different exposures or sizes, the camera model
@@ -129,7 +131,7 @@ class LocalMap {
   // Returns the number of the cell that contains the coordinate `m`, along either axis.
   int number(double m) const;
   double middle(int cell) const;  // center of a cell, m
-  // Returns the state of cell(), except that an obstacle with only a single vote is reported as unknown.
+  // Returns the state of cell(), but replaces an obstacle with only a single vote by unknown.
   CellState certain(int x, int y) const;
   CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
   // Returns the log-odds of an obstacle in the cell; 0 if unknown.

@@ -4,9 +4,9 @@
 // Extended Kalman filter over the present pose and copies of past poses, from which the floor was seen.
 // Odometry widens the covariance of the present pose. A match of two floor views measures the present pose
 // relative to a past pose. The match corrects both poses according to their uncertainty. A match is rejected
-// if its deviation is too large for the uncertainty of both poses. Such a match usually belongs to another
-// plank or another square of the floor. Source: Roumeliotis and Burdick, "Stochastic cloning: a generalized
-// framework for processing relative state measurements", ICRA 2002.
+// if its deviation is too large for the uncertainty of both poses. The two views of a rejected match usually
+// show different planks, or different squares, that look alike. Source: Roumeliotis and Burdick, "Stochastic
+// cloning: a generalized framework for processing relative state measurements", ICRA 2002.
 //
 // Map frame. Poses are (x, y, heading): m, rad. A relative pose is in the frame of its reference pose, with x
 // ahead.

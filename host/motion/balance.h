@@ -54,7 +54,7 @@ class BalancePolicy {
   // contains `name`, the line and the fault.
   static Result<BalancePolicy> parse(const std::string& text, const std::string& name);
 
-  // Returns the outputs before the multiplication by their limits, each from -1 to 1.
+  // Returns the outputs of the network, each from -1 to 1. The caller multiplies each output by its limit.
   Output evaluate(const Input& x) const;
 
  private:

@@ -12,14 +12,14 @@
 // Zero moment point criterion: the planned center of mass moves sideways by c(t) = C sin(2 pi phase) from the
 // middle of the feet. The height of the center of mass is h. The cart-table model (Kajita and others, 2003,
 // equation 3) concentrates the whole mass at the center of mass. In this model, the zero moment point (ZMP)
-// is p = c - (h/g) c''. For the sine c(t), this formula gives the ZMP:
+// is p = c - (h/g) c''. With the sine c(t), the ZMP is also a sine:
 //   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
 // edge of this sole must be at least `margin`. A swing is centered on the peak of the sine and lasts for the
-// share `swing` of the cycle. So the sine has the value cos(pi swing) at the beginning and at the end of the
-// swing. The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) -
-// kHalfSole. These conditions determine the amplitude of the trunk's roll, which roll_for() computes.
+// share `swing` of the cycle. So at the beginning and at the end of a swing, sin(2 pi phase) = cos(pi swing).
+// The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole.
+// These conditions determine the amplitude of the trunk's roll, which roll_for() computes.
 #pragma once
 
 #include "host/motion/inverse.h"
@@ -34,7 +34,7 @@ inline constexpr double kToe = 0.060, kHeel = -0.040, kHalfSole = 0.030;
 struct Stance {
   double x = 0, z = 0.145;
   double pitch = 3 * kDegree;  // rad; positive: leans forward
-  // Roll, rad; positive to the right, about the forward axis after rotation by `pitch`.
+  // Roll, rad; positive to the right. The trunk first rotates by `pitch`, then rolls about its forward axis.
   double roll = 0;
 };
 
@@ -61,7 +61,8 @@ struct Shape {
   // Delay of the feet relative to the trunk, as a share of the cycle. The delay compensates for the lag of
   // the servos.
   double lag = 0.02;
-  double max_roll = 22 * kDegree;  // the feet touch each other at 24.6 degrees
+  // Upper limit of the roll. The feet would touch each other at a roll of 24.6 degrees.
+  double max_roll = 22 * kDegree;
 };
 // Returns the amplitude of the trunk's roll that satisfies the ZMP criterion, at most max_roll.
 double roll_for(const Shape& shape);

@@ -5,10 +5,11 @@
 // trunk's z axis. While only yaw changes, this rate is the rate about the vertical times cos(pitch)
 // cos(roll).
 //
-// A Kalman filter with two states estimates the heading and the gyro's zero together. The model of the zero
-// is a random walk, and each sample of a standing robot measures the zero. The filter also estimates the
-// covariance of heading and zero. During a movement, the drift of the zero causes an error of the heading.
-// When the robot stands again, the samples also correct this error. Units: rad, positive to the left.
+// A Kalman filter with two states estimates the heading and the gyro's zero together. The gyro's zero is
+// modeled as a random walk. Each sample that is taken while the robot stands measures this zero. The filter
+// also estimates the covariance of heading and zero. During a movement, the drift of the zero causes an error
+// of the heading. When the robot stands again, the samples also correct this error. Units: rad, positive to
+// the left.
 #pragma once
 
 #include "host/robot/inertial.h"
@@ -19,8 +20,8 @@ class Heading {
  public:
   Heading();
 
-  // Adds a sample, which must be later than the previous sample. `still`: the robot stands without a command,
-  // so the rate is the gyro's zero. `upright`: cosine of the trunk's lean.
+  // Adds a sample, which must be later than the previous sample. `still`: whether the robot stands without a
+  // command. If so, the measured rate is the gyro's zero. `upright`: cosine of the trunk's lean.
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Units: m, rad. Frame: trunk (x forward, y left, z up). There are no yaw joints. A leg has 4 degrees of
-// freedom (position of the ankle, pitch of the foot), an arm has 3 (position of the grasp). The other angles
-// of the foot or hand result from these coordinates.
+// freedom (position of the ankle, pitch of the foot), an arm has 3 (position of the grasp). A limb has fewer
+// than 6 degrees of freedom, so the other angles of its foot or hand cannot be chosen.
 #pragma once
 
 #include <optional>
@@ -26,8 +26,8 @@ struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
 // `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out of
-// reach, or if a joint would exceed its limits. Also returns nothing if the position is so far to the side
-// that no angle of the shoulder roll joint brings the hand there.
+// reach, or if a joint would exceed its limits. Also returns nothing if the position is farther to the side
+// than the shoulder roll joint can bring the hand.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);

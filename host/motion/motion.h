@@ -54,8 +54,8 @@ class Motion {
   explicit Motion(const Settings& settings = {});
 
   // Walks `distance` m ahead (negative: back). During the walk, the robot holds a heading: the present
-  // heading plus `turned` rad. Heading errors are corrected by unequal strides, by at most 2 degrees per
-  // cycle.
+  // heading plus `turned` rad. Unequal strides of the two feet correct errors of the heading, by a few
+  // degrees per gait cycle at most.
   void walk(double distance, double turned = 0);
   // Walks until stop(). `stride`: m, at most Settings::stride; negative: back. `heading`: the heading to
   // hold, rad.
@@ -66,7 +66,7 @@ class Motion {
   void stop();
 
   // Returns the leg targets for the next cycle. In State::fallen, returns the measured angles. `now`: the
-  // time at which the joints reach the targets.
+  // present time; the gait advances by the time since the previous call, at most 40 ms.
   LegTargets step(Time now, const host::Posture& posture);
 
   State state() const { return state_; }

@@ -7,8 +7,9 @@
 //    "poses": [{"time_s": 0, "angles_rad": {"r_sh_pitch": 0}},
 //              {"time_s": 1.5, "angles_rad": {"r_sh_pitch": -0.8, "neck_pan": 0.3}}]}
 //
-// A joint moves through the poses that contain the joint. Before the first of these poses and after the last
-// one, the joint does not move. A joint that is in no pose never moves.
+// A pose can contain only some of the joints. Each joint moves from one pose that contains this joint to the
+// next. Before the first of these poses and after the last one, the joint does not move. A joint that is in
+// no pose never moves.
 #pragma once
 
 #include <cstddef>
@@ -42,8 +43,8 @@ Result<PoseSequence> parse_poses(std::string_view text, const std::string& name)
 std::string text_of(const PoseSequence& sequence);
 
 // Angles over time: monotone cubic pieces (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984). At the
-// start and at the end, all joints are at rest. Between two poses, a joint stays within the range from one
-// pose's angle to the other pose's angle.
+// start and at the end, all joints are at rest. Between two poses, the angle of a joint never leaves the
+// range between its angles in these two poses.
 class PoseMotion {
  public:
   // `joints`: joint names, indexed by joint number. Fails (usage) if the sequence contains a joint that is

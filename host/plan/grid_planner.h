@@ -6,13 +6,13 @@
 // the next heading on either side. The cost is time.
 //
 // The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
-// heading. No path takes less time than the heuristic. Every path contains a step in the direction of the
-// goal, or steps to both sides of this direction. So every path turns at least as far as the heuristic
-// assumes. Every path is at least as long as the distance to the goal. So the path found is the fastest path
-// on this graph.
+// heading. The heuristic never exceeds the time of a path, for two reasons. First, every path contains a step
+// in the direction of the goal, or steps to both sides of this direction. So every path turns at least as far
+// as the heuristic assumes. Second, every path is at least as long as the distance to the goal. So A* finds
+// the fastest path on this graph.
 //
-// With PlanOptions::any_heading, straight lines of any heading then replace parts of the path if the lines
-// are free. Dynamic programming over pairs of corners, with time as cost, selects the lines.
+// If PlanOptions::any_heading is true, straight lines of any heading then replace parts of the path. A line
+// must be free of obstacles. Dynamic programming over pairs of corners, with time as cost, selects the lines.
 #pragma once
 
 #include <memory>

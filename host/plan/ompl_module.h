@@ -23,9 +23,9 @@ inline constexpr const char* kOmplModuleSymbol = "kaz_ompl_module";
 
 // Returns the path of the running program's module.
 std::string ompl_module_path();
-// Loads the module at `path`, which stays loaded, and returns the result of the module's make_ompl_planner().
-// Further errors (environment): the module or a library that it needs is missing, or the module belongs to
-// another build.
+// Loads the module at `path`, and returns the result of the module's make_ompl_planner(). The module stays
+// loaded. Further errors (environment): the module or a library that it needs is missing, or the module
+// belongs to another build.
 Result<std::unique_ptr<Planner>> load_ompl_planner(const OmplOptions& options = {},
                                                    const std::string& path = ompl_module_path());
 

@@ -24,7 +24,7 @@ struct OmplOptions {
   std::uint64_t seed = 1;
   // Maximum number of batches, 1 or more. More batches take longer and find faster paths.
   int batches = 3;
-  // If `batches` batches found no path, the search continues up to this number of batches.
+  // Maximum number of batches while no path has been found. Values below `batches` have no effect.
   int batches_until_found = 6;
   int batch_size = 100;  // number of poses in a batch, 1 or more
 };

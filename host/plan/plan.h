@@ -53,8 +53,9 @@ struct Grid {
 // with only a single vote becomes unknown (LocalMap::certain).
 Grid grid_of(const map::LocalMap& map, double size_m);
 
-// Sets an obstacle to unknown if it has fewer than `cells` cells, and if all its cells are farther than
-// `beyond_m` from `from`. Obstacle cells that touch, even only at a corner, form one obstacle.
+// Changes the cells of small, distant obstacles to unknown. A small, distant obstacle has fewer than `cells`
+// cells, and all its cells are farther than `beyond_m` from `from`. Obstacle cells that touch, even only at a
+// corner, form one obstacle.
 void forget_specks(Grid& grid, int cells, const Eigen::Vector2d& from, double beyond_m);
 
 struct Pose {
@@ -93,9 +94,8 @@ struct Path {
   double seconds = 0;
   // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
   // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
-  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time for two
-  // walks. One walk is from the start to the center of its cell, the other from the center of the goal's cell
-  // to the goal.
+  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time to walk the
+  // diagonal of one cell (half near the start, half near the goal).
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };
@@ -105,11 +105,12 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // Position of the obstacle in the way. For enclosed and not_found: the obstacle where the passage to the
-  // goal is narrowest. If there are several passages, the widest passage counts. For start_outside and
-  // goal_outside: the position of the start or the goal.
+  // Position of the obstacle in the way. For enclosed and not_found: the obstacle beside the narrowest place
+  // on the way to the goal. Among several ways, the way whose narrowest place is widest counts. For
+  // start_outside and goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
-  // Distance between the obstacle and the start, the goal or the narrowest place.
+  // Distance from the obstacle at `where` to the start (start_blocked), the goal (goal_blocked), or the
+  // narrowest place.
   double clear_m = 0;
 };
 // Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs

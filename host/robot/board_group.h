@@ -1,16 +1,16 @@
 // A group of boards that acts as one: distributes each request and merges the replies.
 // SPDX-License-Identifier: Apache-2.0
 //
-// - A request with a joint mask is split by board; any other request goes to every board. A board that gets
-//   no part of a request gets a heartbeat instead, so that every request restarts every link watchdog.
+// - A request with a joint mask is split by board; any other request goes to every board. If a request has no
+//   part for a board, this board gets a heartbeat instead. So each request restarts the link watchdogs of all
+//   boards.
 // - Board time is the time of the first board, the reference. The ticks of other boards are converted to the
 //   reference's ticks through host time (clock_relation.h).
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
-//   interpolated between the last two states, or extrapolated by at most kMaxAhead. The angle error is the
-//   time error of both clock relations (about 0.1 ms to 1 ms) times the joint's speed.
-// - A status flag of the group is set if any board sets this flag, with two exceptions. The group sets
-//   ENABLED only if ENABLED is set by every board whose motors should be on. UNLOCKED is set only if every
-//   board sets UNLOCKED.
+//   interpolated between the last two states, or extrapolated by at most kMaxAhead. The error of such an
+//   angle is the joint's speed times the time error of both clock relations (0.1 ms to 1 ms).
+// - A status flag of the group is set if any board sets this flag, with two exceptions. ENABLED is set only
+//   if it is set by all boards whose motors should be on. UNLOCKED is set only if it is set by all boards.
 // - If one board shuts down, the motors of all boards are switched off, unless the board's link watchdog
 //   caused the shutdown.
 // - If one board refuses a request, the group reports the request as refused, even if other boards have

@@ -13,9 +13,9 @@ namespace kaz::host {
 // message contains the first bytes). The error message is one sentence. Also fails if the board has another
 // protocol version or another number of joints.
 Result<kz_identify_reply> identify_board(Exchanger& requester);
-// With the defaults of RequesterOptions, identify_board() tolerates a delay of this length in the host or the
-// board. A late reply waits in the port, and a reply to an earlier try also counts. So the function fails
-// only after all tries. The tolerated delay is half of the 0.95 s that all tries take.
+// Longest delay of the host or the board that identify_board() tolerates with the default RequesterOptions. A
+// late reply waits in the port, and a reply to an earlier try also counts. So the function fails only after
+// all tries. All tries together take 0.95 s, and a delay of half this time is always tolerated.
 inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 
 // Returns a version number from an identify_reply or an image header as text, such as "0.2".

@@ -25,8 +25,8 @@ struct Inertial {
 // are proportional to the converter's reference voltage.
 inline constexpr double kYawRatePerCode = std::numbers::pi / 180 / 0.001 / KZ_POT_CODES;
 inline constexpr double kForcePerCode = 9.80665 / 0.0624 / KZ_POT_CODES;
-// Upper limit of the codes at grounded inputs. If all three codes are below this limit, the option is not
-// fitted.
+// An A/D code below this limit means that the input is grounded. If all three inputs are grounded, the board
+// has no inertial sensors.
 inline constexpr unsigned kNotFitted = 8;
 
 }  // namespace kaz::host

@@ -56,13 +56,13 @@ std::string how_calibration_goes(const kz_identify_reply& identity, const std::s
                                  std::uint8_t address);
 
 struct PutBackOptions {
-  // Timeout of put_back(). A board that is in its loader does not answer for 3 s, and a write to flash takes
-  // up to 3 s.
+  // Timeout of put_back(). A board in its loader does not answer for 3 s. A write to flash takes up to 3 s.
+  // The default covers both.
   Time patience = std::chrono::seconds(8);
-  // If true, put_back() starts with a reset and searches all addresses, because address and flash may have
-  // changed.
+  // True: the program may have changed the address or the flash, so put_back() first resets the board, and
+  // searches for the board at all addresses.
   bool flash = false;
-  // If true, put_back() starts with a reset, which clears a latched shutdown. `flash` implies `reset`.
+  // True: put_back() first resets the board. The reset clears a latched shutdown. `flash` implies `reset`.
   bool reset = false;
   bool motors_off = true;  // false: put_back() does not switch motors off
   // True: put_back() restores watchdog, gains, limits and calibration in RAM.
@@ -85,8 +85,8 @@ struct PutBack {
 
 // Finds the board, switches its motors off, and restores `state`. At the call, the board may be starting, in
 // its loader, or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until
-// success or timeout, and reopens a lost link. During the call, an interrupt must not end any wait on `link`
-// or `clock` (see CleanUp in interrupt.h).
+// success or timeout, and reopens a lost link. Before the call, suspend interrupts (class CleanUp in
+// interrupt.h), so that an interrupt cannot end a wait on `link` or `clock`.
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

@@ -16,13 +16,13 @@ class PostureHistory {
   // Maximum time between a query and the nearest posture.
   static constexpr Time kReach = std::chrono::milliseconds(100);
 
-  // Adds a posture. Removes earlier entries whose time is not before the time of `posture`. The times of
-  // these entries are wrong, because the board was reset or its clock relation has improved.
+  // Adds a posture. First removes the entries that have the same time as `posture` or a later time. The
+  // removed entries have wrong times, because the board was reset or its clock relation has improved.
   void add(const Posture& posture);
 
   // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are
-  // copied from the nearer posture. Returns nullopt if `t` is outside the history or more than kReach from
-  // both postures.
+  // copied from the nearer posture. Returns nullopt if `t` is outside the history, or if neither of the two
+  // postures is within kReach of `t`.
   std::optional<Posture> at(Time t) const;
 
   std::optional<Time> newest() const;

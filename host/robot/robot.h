@@ -3,8 +3,9 @@
 //
 // Real and emulated boards have the same interface (section 3 of the paper, see README.md). A call that
 // queries the board blocks until the reply arrives. Every error message is one sentence with the cause of the
-// failure: the board stopped replying, the link is lost, the program was interrupted, or the board refused
-// the request (with joint and reason). An argument out of range is a usage error. Not thread-safe.
+// failure. Possible causes: the board stopped replying, the link is lost, the program was interrupted, or the
+// board refused the request (with joint and reason). An argument out of range is a usage error. Not
+// thread-safe.
 //
 // Link watchdog: if motors are on and no request arrives for ConnectOptions::watchdog, the board stops moving
 // (ConnectOptions::reaction). Every request restarts the watchdog. Wait with clock().sleep_until(), which
@@ -13,16 +14,17 @@
 // Reconnection starts if the port disappears, no reply comes, the board was reset, or the board's watchdog
 // expired. The call that detects the loss searches for the board, for at most the time
 // ConnectOptions::reconnect. Once the board is found, the call restores watchdog, gains and limits, and
-// enables the joints that were on. Enabling sets the present angle as target, so the robot does not move;
-// motions in progress are discarded. The result of the interrupted call depends on the function:
+// enables the joints that were on. The target of each enabled joint becomes its present angle, so the robot
+// does not move. Motions in progress are discarded. The result of the interrupted call depends on the
+// function:
 // - exchange() and receive_cycle() return the present posture. The targets are not sent again.
 // - set_targets, set_calibration, store_calibration, raw_drive, reset, start_loader and set_address fail; the
 //   error message explains that the link was lost. The robot remains usable.
 // - All other calls are repeated once and return the new result. This result does not show that there was a
 //   reconnection. Use take_resumption() to detect the reconnection.
 //
-// If anything other than the link watchdog has caused a shutdown of the board, reconnection enables no joint,
-// and the call fails.
+// If the board has shut down for any reason other than its link watchdog, no joint is enabled, and the call
+// fails.
 #pragma once
 
 #include <memory>
@@ -55,8 +57,8 @@ class Robot {
   ~Robot();  // does not switch motors off; see disable_all
 
   const kz_identify_reply& identity() const;
-  // The clock that was passed to connect(), with one addition: while motors are on, sleep_until() sends
-  // heartbeats for the link watchdog.
+  // Returns a wrapper of the clock that was passed to connect(). While motors are on, its sleep_until() also
+  // sends heartbeats, which restart the link watchdog.
   Clock& clock();
 
   // ---- Motion
@@ -81,8 +83,8 @@ class Robot {
   Result<Posture> exchange(std::span<const JointTarget> targets, Time duration);
   // send_cycle() and receive_cycle() are the two halves of exchange(). With these functions, the host sends
   // the next targets while the previous posture arrives. So a program can control all 18 joints at 100 Hz.
-  // Postures are returned in the order of the calls of send_cycle(). receive_cycle() returns nullopt if the
-  // next posture has not come by `deadline`, and fails if no sent cycle is pending.
+  // Postures are returned in the order of the calls of send_cycle(). If the next posture does not arrive by
+  // `deadline`, receive_cycle() returns nullopt. If no sent cycle is pending, receive_cycle() fails.
   Result<void> send_cycle(std::span<const JointTarget> targets, Time duration);
   Result<std::optional<Posture>> receive_cycle(Time deadline);
   // Returns whether the board has the option `imu`. If the board has this option, state() and exchange() from
@@ -101,8 +103,8 @@ class Robot {
   // Clears a latched shutdown; motors stay off until enable(). Fails as long as the cause of the shutdown is
   // present.
   Result<void> clear();
-  // Sends a heartbeat, which restarts the link watchdog. Sets the watchdog's time limit to `watchdog`
-  // (10 ms..1 s; zero: no change) and, if given, the watchdog's reaction.
+  // Sends a heartbeat, which restarts the link watchdog. `watchdog`: new time limit of the link watchdog, 10
+  // ms to 1 s; zero: no change. `reaction`: new reaction of the link watchdog; nullopt: no change.
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
                                        std::optional<Reaction> reaction = std::nullopt);
   Result<Health> health();
@@ -185,8 +187,8 @@ class Robot {
 // Mask of the shutdown reason in a status word.
 inline constexpr std::uint16_t kMotorsOffFaults = 0xFF00;
 
-// Classifies a shutdown. Returns Fault::environment if `status` reports an expired link watchdog, or if
-// `status` reports no latched shutdown. Otherwise returns Fault::failed.
+// Classifies a shutdown. Returns Fault::environment if the link watchdog caused the shutdown, or if `status`
+// contains no shutdown. Otherwise returns Fault::failed.
 Fault shutdown_fault(std::uint16_t status);
 
 // Describes the faults latched in `status` and the remedy; returns nullopt if no fault is latched. `where`:

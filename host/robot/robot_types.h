@@ -62,7 +62,8 @@ struct Health {
   std::uint32_t shutdown_tick = 0;  // board time of the shutdown
   double supply_volts = 0, supply_lowest_volts = 0;
   double temperature_c = 0;  // temperature of the motor drivers
-  // Converter reading of half the reference voltage, as a share of full scale: nominally 0.5.
+  // As a test, the A/D converter measures half of its own reference voltage. The result is a share of full
+  // scale, nominally 0.5.
   double reference = 0;
 };
 
@@ -92,7 +93,7 @@ struct SelfTest {
   double start_s = 0;  // time from the start of the application to the first tick
 };
 
-// One telemetry frame. Members that the frame's selection does not contain are 0 or empty.
+// One telemetry frame. Each kind of frame sets only some of the members; the other members are 0 or empty.
 struct TelemetryFrame {
   std::uint8_t selection = 0;  // KZ_TELEMETRY_*: the kind of frame
   std::uint32_t tick = 0;      // board time
@@ -103,8 +104,8 @@ struct TelemetryFrame {
   double supply_volts = 0;   // in STATE and HEALTH frames
   std::optional<int> joint;  // in HEALTH frames: joint that caused the shutdown
   double temperature_c = 0;  // in HEALTH frames
-  // In HEALTH frames: computation time of the last tick and of the longest tick, as a share of a tick's
-  // duration.
+  // In HEALTH frames: computation time of the last tick (`tick_busy`) and of the longest tick (`tick_worst`).
+  // Both are shares of a tick's duration.
   double tick_busy = 0, tick_worst = 0;
 };
 
@@ -147,7 +148,7 @@ struct ConnectOptions {
   // Time limit of reconnection. Zero: there is no reconnection, and a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
   // Called before the search for the board, once for each link that does not answer. Not called if the board
-  // answers at once, which is typical after an expired watchdog.
+  // answers at once. After an expired watchdog, the board usually answers at once.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};

@@ -15,7 +15,7 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
 
 // Returns the error for a target that is outside `set`. `set`: the present limits of the joint on the board,
 // possibly set by another program. If `set` is narrower than the joint's own limits, the message contains
-// `set`, and the command `recover`, which restores the joint's own limits. `joint` must be in the joint
+// `set` and the command `recover`. This command restores the joint's own limits. `joint` must be in the joint
 // table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);

@@ -63,10 +63,11 @@ template <class R, class P>
 inline constexpr bool is_duration<std::chrono::duration<R, P>> = true;
 }  // namespace archive_detail
 
-// Maximum magnitudes. Within these limits, products of numbers are finite, and differences of times fit 64
-// bits.
+// Maximum magnitudes of numbers and times. The product of two such numbers is finite, and the difference of
+// two such times fits in 64 bits.
 inline constexpr double kMaxArchived = 1e15;
-// Maximum value of a time or counter. This value is 9 years for a time in ns, or 495 years in H8 states.
+// Maximum value of a time or counter. A time in ns is at most 9 years, and a time in H8 states is at most 495
+// years.
 inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;
 
 // Returns whether a time or counter is within the limit. Two values outside the limit are also valid and mean
@@ -96,7 +97,8 @@ class StateArchive {
     (one(values), ...);
   }
 
-  // Returns the first error, as the rest of a sentence that begins with the archive's name; empty: no error.
+  // Returns the first error; empty if there was no error. The text continues a sentence that begins with the
+  // archive's name.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
   // Records an error. After the first error, further errors are ignored.

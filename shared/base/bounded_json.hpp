@@ -17,8 +17,9 @@
 
 namespace kaz {
 
-// Maximum nesting depth. The files of Kaz have fewer levels than this maximum. To copy, compare or print a
-// document, nlohmann::json recurses once per level. The stack has room for only a few thousand levels.
+// Maximum nesting depth. The files of Kaz have fewer levels than this maximum. The functions of
+// nlohmann::json that copy, compare or print a document are recursive, with one call per level. The stack has
+// room for only a few thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
 enum class JsonComments { refused, ignored };
@@ -74,7 +75,7 @@ class Guard final : public nlohmann::json_sax<Json> {
 
   std::string_view text_;
   std::string why_;
-  std::vector<std::set<std::string>> keys_;  // keys of the open objects and lists
+  std::vector<std::set<std::string>> keys_;  // keys read so far, for each open object; lists: empty
 };
 
 }  // namespace bounded_json_detail

@@ -29,13 +29,13 @@ inline constexpr std::string_view kBrowserRefused =
 class BrowserGuard {
  public:
   enum class Peer {
-    // The guard refuses a text character as the first byte, because HTTP begins with text. The guard also
-    // refuses 22, because TLS begins with this byte. Frames to a board begin with 0; Telnet and servo bus
-    // packets begin with 255.
+    // The guard refuses a connection if its first byte is a text character, because HTTP begins with text.
+    // The guard also refuses a connection if its first byte is 22, because TLS begins with 22. Frames to a
+    // board begin with 0; Telnet and servo bus packets begin with 255.
     frames,
-    // The peer first sends one GDB packet, optionally after '+', and then waits for the reply. A browser
-    // would continue with a space and a path. The packet has up to kLongestFirst bytes, without spaces or
-    // line ends.
+    // The peer first sends one GDB packet, optionally after '+', and then waits for the reply. The packet has
+    // up to kLongestFirst bytes, without spaces or line ends. Text from a browser cannot be such a packet,
+    // because a space follows the HTTP method.
     gdb,
   };
   static constexpr std::size_t kLongestFirst = 1024;
@@ -77,7 +77,7 @@ class BrowserGuard {
     if (rest.front() != '$' || rest.size() > kLongestFirst) return false;
     const auto end = std::ranges::find(rest, std::uint8_t{'#'});
     if (std::any_of(rest.begin(), end, [](std::uint8_t byte) { return byte <= ' '; })) return false;
-    // Number of bytes from '#' to the end; 3 if the packet is complete.
+    // Number of received bytes from '#' on; 3 if the packet is complete.
     const auto behind = rest.end() - end;
     admitted_ = behind == 3;
     return behind <= 3;

@@ -10,8 +10,9 @@
 // docs/reference/camera-stream.md.
 //
 // The publisher sends a pair as soon as the pair is drawn and never waits for a slow reader. The publisher
-// skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should deliver a
-// pair no earlier than `exposure_ns + latency_ns`, so that the drawing time has no effect.
+// skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should use a pair
+// only from the time `exposure_ns + latency_ns` on. Then the time that the publisher needs to draw the pair
+// has no effect.
 #ifndef KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 #define KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 
@@ -38,7 +39,7 @@ struct CameraStreamHeader {
 };
 
 struct CameraStreamPair {
-  char magic[4];             // kCameraPairMagic; other values: the reader lost synchronization
+  char magic[4];             // kCameraPairMagic; if not, the reader has lost synchronization
   std::uint32_t reserved;    // 0
   std::uint64_t sequence;    // number of the exposure, from 0 at the publisher's start
   std::int64_t exposure_ns;  // middle of the exposure on CLOCK_MONOTONIC

@@ -123,7 +123,8 @@ inline bool move_into_place(const std::string& from, const std::string& to) {
   const auto parent = std::filesystem::path(to).parent_path();
   const Descriptor folder(
       ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  return !folder || sync_file(folder.get());  // a folder without read permission cannot be opened
+  // A folder without read permission cannot be opened, so its entry is not flushed.
+  return !folder || sync_file(folder.get());
 }
 
 // Replaces the file at `path` atomically: an existing file stays until all new bytes are on disk. If `path`

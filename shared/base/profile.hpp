@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A ProfileScope assigns the time of its thread to a part of the program. Scopes nest, and time counts for
-// the innermost scope. So the times of the parts add up to the time of the outermost scopes. While no Profile
-// exists, a scope costs one load and a branch. While a Profile exists, a scope reads two clocks at the
-// beginning and at the end. Both readings together take 1.55 us.
+// the innermost scope. So the times of the parts add up to the time of the outermost scopes. If no Profile
+// exists, a scope executes only one load and one branch. If a Profile exists, a scope reads two clocks at its
+// beginning and at its end. All these readings together take 1.55 us.
 #ifndef KAZ_SHARED_BASE_PROFILE_HPP
 #define KAZ_SHARED_BASE_PROFILE_HPP
 
@@ -148,7 +148,8 @@ class ProfileScope {
   ~ProfileScope() {
     if (row_ == nullptr) return;
     Local& local = this_thread();
-    if (local.epoch != epoch_) return;  // the rows of the earlier profile are gone
+    // If another profile has begun, row_ no longer exists.
+    if (local.epoch != epoch_) return;
     const Moment now = Moment::now();
     charge(now, local.last);
     row_->count.fetch_add(1, std::memory_order_relaxed);

@@ -63,8 +63,8 @@ T value_of(tl::expected<T, E>&& result) {
 //   KAZ_TRY(robot.enable());                       // Result<void>, or any Result whose value is not used
 //
 // KAZ_TRY evaluates the expression once. Use KAZ_TRY only as a whole initializer or a whole statement, as
-// above. Within a larger expression, the return may leave temporaries undestroyed. KAZ_TRY uses a statement
-// expression, an extension of GCC and clang.
+// above. In a larger expression, the return could skip destructors of temporary objects. KAZ_TRY uses a
+// statement expression, an extension of GCC and clang.
 #define KAZ_TRY(...) KAZ_TRY_NUMBERED(__COUNTER__, __VA_ARGS__)
 #define KAZ_TRY_NUMBERED(number, ...) KAZ_TRY_JOINED(number, __VA_ARGS__)
 #define KAZ_TRY_JOINED(number, ...) KAZ_TRY_NAMED(kaz_try_##number, __VA_ARGS__)

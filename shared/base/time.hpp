@@ -18,8 +18,8 @@ inline Time from_seconds(double s) {
   return Time(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
 }
 
-// Return a - b and a + b, clamped to the range of Time, because the clocks of other machines may report any
-// value.
+// between() returns a - b, and later() returns a + b, both clamped to the range of Time. The times can have
+// any value, because they may come from the clocks of other machines.
 inline Time between(Time a, Time b) {
   std::int64_t ns = 0;
   if (__builtin_sub_overflow(a.count(), b.count(), &ns)) return a < b ? Time::min() : Time::max();

@@ -8,8 +8,8 @@
 
 #define KZ_JOINTS 18
 
-// Crystal frequency, Hz. One CPU state is one period of the crystal. One bit at 115,200 baud and 1 ms are
-// both whole numbers of states.
+// Crystal frequency, Hz. One CPU state is one period of the crystal. The duration of a bit at 115,200 baud is
+// a whole number of states, and so is 1 ms.
 #define KZ_CLOCK_HZ 18432000L
 #define KZ_TICK_HZ 1000
 #define KZ_STATES_PER_TICK 18432L
@@ -28,12 +28,12 @@
 // Temperature of the motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
 // Optional inertial sensors on AN3..AN5; half of AVCC means zero. Boards without inertial sensors ground
-// these pins. The readings of the inertial sensors have indices that no multiplexer input uses.
+// these pins. The three indices below are free, because no multiplexer input uses them.
 #define KZ_ANALOG_YAW_RATE 15
 #define KZ_ANALOG_FORWARD_FORCE 22
 #define KZ_ANALOG_LEFT_FORCE 23
-#define KZ_SUPPLY_FULL_MV 15360      // 15.36 V, so one code is 15 mV
-#define KZ_TEMPERATURE_FULL_DC 1024  // 102.4 °C, so one code is 0.1 °C
+#define KZ_SUPPLY_FULL_MV 15360      // supply voltage at full scale, mV; one A/D code is 15 mV
+#define KZ_TEMPERATURE_FULL_DC 1024  // temperature at full scale, 0.1 °C; one A/D code is 0.1 °C
 
 // A/D codes have 10 bits and cover the potentiometer's whole range, 190 degrees (Futaba S9204).
 #define KZ_POT_CODES 1024
@@ -51,8 +51,7 @@
 // same result on the H8 and on the PC.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
 // Joint angle at potentiometer code 512, in units of 100 urad, computed from the columns of joints.def. The
-// angle is half a code (16.19 units) beyond the angle at which code 512 begins, because the converter rounds
-// down.
+// converter rounds down, so the middle of code 512 is half a code (16.19 units) beyond its beginning.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

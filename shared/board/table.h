@@ -20,7 +20,7 @@ typedef struct kz_board_joint {
   s16 lower;       // mechanical limits (URDF), in units of 100 urad
   s16 upper;
   u8 analog;    // index into kz_tick_input.analog
-  u8 mirrored;  // 1: turning the shaft forward decreases the joint angle
+  u8 mirrored;  // 1: the joint angle decreases when the shaft turns forward
 } kz_board_joint;
 
 extern const kz_board_joint kz_board_joints[KZ_JOINTS];

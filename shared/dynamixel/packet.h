@@ -96,9 +96,9 @@ inline std::uint8_t high(std::size_t value) {
   return static_cast<std::uint8_t>(value >> 8);
 }
 
-// Number of bytes at the start of the joined reply to a fast read: header, id, length, instruction.
+// Size of the header, id, length and instruction at the start of the joined reply to a fast read, bytes.
 inline constexpr std::size_t kFastHead = 8;
-// Number of bytes that each servo sends in a joined reply besides the data: error, id, CRC.
+// Size of the error, id and CRC that each servo adds to its data in a joined reply, bytes.
 inline constexpr std::size_t kFastFrame = 4;
 
 // Stream decoder: finds packets in received bytes. Not thread-safe.

@@ -16,23 +16,24 @@ struct LineByte {
   bool framing_error = false;
 };
 
-// The bytes that arrive for one sent byte: up to three, namely noise, the sent byte, and a duplicate of the
-// sent byte.
+// The bytes that a receiver gets for one sent byte. Link faults can add noise before the sent byte and a
+// duplicate after it, and can drop the sent byte.
 struct LineBytes {
   std::array<LineByte, 3> bytes{};
   std::size_t count = 0;
   Time delay{};  // additional delay
 };
 
-// Returns the 8N1 byte that a receiver samples if the sender's clock is faster than the receiver's clock by
-// the fraction `error`. The receiver samples each bit in the middle, according to the receiver's clock. The
-// line is idle (high) after the byte.
+// Returns the byte that a receiver gets if its clock differs from the sender's clock. `error`: how much
+// faster the sender's clock is, as a fraction. The byte is 8N1. The receiver samples each bit in the middle,
+// according to its own clock. The line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 
 // Random link faults. Not thread-safe.
 class LinkFaults {
  public:
-  // `way` is to_board or to_host. The same seed, schedule and bytes give the same bytes.
+  // `way` is to_board or to_host. If seed, schedule and sent bytes are the same, the received bytes are the
+  // same.
   LinkFaults(std::uint64_t seed, Way way)
       : random_(mix64(seed ^ static_cast<std::uint64_t>(way) << 32)), way_(way) {}
 

@@ -37,7 +37,9 @@ typedef struct kz_image_header {
 typedef struct kz_loader_mark {
   u32 loader_id;
   u8 unused[26];
-  u16 crc;  // kz_crc16, start 0xFFFF, over KZ_VECTORS_SIZE bytes at 0, then from KZ_LOADER to this mark
+  // CRC (kz_crc16, start 0xFFFF) of the vectors, followed by the loader without this mark. The vectors are
+  // the first KZ_VECTORS_SIZE bytes of flash. The loader begins at KZ_LOADER.
+  u16 crc;
 } kz_loader_mark;
 
 #endif

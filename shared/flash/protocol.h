@@ -26,7 +26,7 @@
 #define KZ_WRITER_DATA_MAX 512  // maximum data of a WRITE or READ, bytes
 #define KZ_WRITER_PAYLOAD_MAX (KZ_WRITER_DATA_MAX + 4)
 #define KZ_WRITER_FRAME_MAX (KZ_WRITER_PAYLOAD_MAX + KZ_WRITER_OVERHEAD)
-// Maximum number of outstanding requests: the writer executes one request and receives the next request.
+// Maximum number of outstanding requests: one that the writer executes, and one that it receives meanwhile.
 #define KZ_WRITER_WINDOW 2
 
 // Requests. The comment on each request describes the payload of the request. The comment also describes the
@@ -42,16 +42,16 @@
 // ERASE: the request has the number of the block (1), 0..9.
 #define KZ_WRITER_ERASE 3
 // WRITE: the request has an address (4) and data (whole lines of 32 bytes). The reply has the low half (2) of
-// the address of the first line that failed. If no line failed, the reply has the low half of the address at
-// which the data end.
+// an address. If a line failed, this is the address of the first line that failed. If no line failed, this is
+// the address after the last byte of the data.
 //
 // A request that reaches beyond the end of flash writes nothing to flash.
 //
-// In a write to RAM, the upper half of the address is 00FF. Writes to RAM have only one use: to load the
-// writer's second stage after boot mode, in order and without gaps. Below the end of the loaded part, the
-// writer stores nothing, and compares the received bytes with the loaded bytes. So a repeated request
-// succeeds, and code that may be running never changes. A writer that the loader started refuses every write
-// to RAM. The reply to a write to RAM has the low half of the request's address.
+// A WRITE to RAM has an address from 00FF0000 to 00FFFFFF. Writes to RAM have only one use: to load the
+// writer's second stage after boot mode, in order and without gaps. Bytes that are already loaded are never
+// overwritten: the writer only compares them with the received bytes. So a repeated request succeeds, and
+// running code never changes. A writer that the loader started refuses every write to RAM. The reply to a
+// write to RAM has the low half of the request's address.
 #define KZ_WRITER_WRITE 4
 // SUM: the request has address (4) and length (4). The reply has CRC-16 (2), sum (2) and sum of sums (2).
 #define KZ_WRITER_SUM 5
@@ -64,8 +64,9 @@
 #define KZ_WRITER_OK 0
 #define KZ_WRITER_DAMAGED 1  // a frame was damaged; the reply's number is 0
 #define KZ_WRITER_UNKNOWN 2  // unknown request
-// A value in the request is out of range, or the payload has a wrong length. Other causes: an address or
-// a size is not a multiple of 32 bytes, or a write would leave a gap in RAM.
+// The arguments of the request are wrong: a value is out of range, or the payload has a wrong length. An
+// address or a size that is not a multiple of 32 bytes is also wrong. A write that would leave a gap in RAM
+// is wrong, too.
 #define KZ_WRITER_ARGUMENTS 3
 // The memory is protected. A writer that the loader started protects the blocks of vectors and loader, and
 // all RAM. After boot mode, the writer protects RAM outside the second stage. The writer also refuses bytes
@@ -75,6 +76,6 @@
 #define KZ_WRITER_NOT_WRITTEN 6  // cells have a wrong value after the maximum number of pulses
 #define KZ_WRITER_NOT_BLANK 7    // the line holds other data; erase the block first
 #define KZ_WRITER_LOCKED 8       // the chip's error protection is active until reset
-#define KZ_WRITER_NOTHING 9      // RUN: the reset vector is blank
+#define KZ_WRITER_NOTHING 9      // RUN: there is no program, because the reset vector is blank
 
 #endif

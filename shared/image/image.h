@@ -85,7 +85,7 @@ enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 struct LoadOptions {
   // Automatic: the format is detected from the first bytes; raw is never detected.
   Format format = Format::automatic;
-  // Address of the first byte of a raw image. The image's entry is the same address. Must be nullopt for
+  // Address of the first byte of a raw image. The program also starts at this address. Must be nullopt for
   // other formats.
   std::optional<std::uint32_t> address;
 };

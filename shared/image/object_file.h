@@ -18,7 +18,7 @@ class ObjectFile {
       : bytes_(bytes), name_(name) {}
 
  protected:
-  // Maximum length of a name. Protects against files that are made to exhaust memory.
+  // Maximum length of a name. Without a maximum, a hostile file could exhaust the memory.
   static constexpr std::size_t kLongestName = 1024;
 
   // Returns whether `size` bytes at offset `at` lie inside the file.
@@ -37,9 +37,9 @@ class ObjectFile {
   // Returns the text at offset `at`, up to a zero byte. Control characters become '?' because texts go into
   // messages.
   std::string text(std::size_t at, std::size_t max_length) const;
-  // Adds `segment` with `size` bytes at file offset `offset`. For error messages: `at` is the offset of the
-  // segment's header, `what` is the segment's name. Returns an error if contents are outside the file, or if
-  // all contents together exceed 32 MB.
+  // Adds `segment` with `size` bytes at file offset `offset`. `at` (offset of the segment's header) and
+  // `what` (name of the segment) are only used for error messages. Returns an error if contents are outside
+  // the file, or if all contents together exceed 32 MB.
   Result<void> add(std::size_t at, const std::string& what, Segment segment, std::size_t offset,
                    std::size_t size);
 

@@ -11,7 +11,7 @@ class Axis {
  public:
   struct Tick {
     double at = 0;      // position, 0..1 along the axis
-    std::string label;  // empty: only a grid line
+    std::string label;  // text beside the grid line; may be empty
   };
   // Position of an end of a linear axis.
   enum class End {
@@ -41,8 +41,8 @@ class Axis {
   void add_linear_ticks(int count);
 
   bool logarithmic_ = false;
-  double unit_ = 1;            // factor of the labels
-  double low_ = 0, high_ = 1;  // ends of the axis, scaled
+  double unit_ = 1;            // the labels show values divided by this factor
+  double low_ = 0, high_ = 1;  // ends of the axis, converted by scaled()
   std::vector<Tick> ticks_;
   std::string factor_;
 };

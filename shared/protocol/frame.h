@@ -13,15 +13,16 @@
 // that joins late, or loses or gains bytes, is synchronized again at the next zero.
 //
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
-//   - A byte inside the frame that does not become zero. Either the damaged byte belongs to the check, or the
-//     damage is a burst of at most 8 bits, which the CRC detects.
+//   - A byte inside the frame that does not become zero. If the byte belongs to the check, the check no
+//     longer agrees with the CRC. Outside of the check, the damage is a burst of at most 8 bits, and a CRC
+//     detects each such burst.
 //   - The first zero. The receiver then includes the damaged byte in its CRC. Each possible value of this
 //     byte changes the CRC, so the check is wrong.
-//   - The last zero. The receiver then reads the first byte of the check as a stuffing byte. Stuffing bytes
-//     are below 0x80, but bytes of the check are not, so the receiver rejects the frame.
-//   - A byte inside the frame that becomes zero. The part before this zero would be accepted only if the
-//     check of this part began with a stuffing byte. The part after this zero has a valid check only if
-//     kz_frame_splits returns 1.
+//   - The last zero. The first byte of the check is then in the place of a stuffing byte. Stuffing bytes are
+//     below 0x80, but bytes of the check are not, so the receiver rejects the frame.
+//   - A byte inside the frame that becomes zero. The frame is then split into two parts. The first part is
+//     rejected: only a check that begins with a stuffing byte would match. A stuffing byte is below 0x80, but
+//     a byte of a check is not. The check of the second part is valid only if kz_frame_splits returns 1.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -58,10 +59,10 @@ u16 kz_crc16(u16 crc, u8 byte);
 #define KZ_RECEIVE_IDLE 8        // no byte for KZ_IDLE_MS within the frame
 
 // Errors of a received byte, as the SCI reports them.
-#define KZ_RX_OVERRUN 0x20  // the byte is valid, later bytes were lost
+#define KZ_RX_OVERRUN 0x20  // the byte is valid, but later bytes were lost
 #define KZ_RX_FRAMING 0x10
 #define KZ_RX_PARITY 0x08
-#define KZ_RX_LOST 0x04  // the byte is valid, earlier bytes did not fit in the receive buffer
+#define KZ_RX_LOST 0x04  // the byte is valid, but earlier bytes were lost (receive buffer full)
 
 #define KZ_RECEIVER_BETWEEN 1  // state between frames
 
@@ -70,9 +71,9 @@ u16 kz_crc16(u16 crc, u8 byte);
 typedef struct kz_receiver {
   u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
   u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
-  u8 state;   // values up to KZ_RECEIVER_BETWEEN mean that no frame has begun
+  u8 state;   // at most KZ_RECEIVER_BETWEEN: no frame has begun
   u8 body[KZ_BODY_MAX + 4];  // body; during reception, the stuffed bytes and the check
-  u8 silent_ms;              // ms since the last byte; reset by the caller of kz_receiver_silent
+  u8 silent_ms;              // time since the last byte, ms; if bytes arrive, the caller sets 0
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
@@ -85,10 +86,10 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
 // Performs the work of kz_receiver_silent if a frame has begun.
 u8 kz_receiver_waited(kz_receiver* receiver);
-// Call kz_receiver_silent for each millisecond without a byte. After KZ_IDLE_MS consecutive calls,
-// kz_receiver_silent drops a frame that has begun, and returns KZ_RECEIVE_IDLE or the damage already found in
-// the frame. In all other cases, returns KZ_RECEIVE_MORE. If bytes arrive, the caller must set silent_ms to
-// 0.
+// Call kz_receiver_silent for each millisecond without a byte. If a frame has begun, the call that completes
+// KZ_IDLE_MS consecutive calls drops the frame. This call returns KZ_RECEIVE_IDLE, or the damage that was
+// found in the frame before. All other calls return KZ_RECEIVE_MORE. If bytes arrive, the caller must set
+// silent_ms to 0.
 static inline u8 kz_receiver_silent(kz_receiver* receiver) {
   return receiver->state > KZ_RECEIVER_BETWEEN ? kz_receiver_waited(receiver) : KZ_RECEIVE_MORE;
 }

@@ -14,7 +14,7 @@ typedef struct kz_field_info {
   const char* name;
   const char* unit;
   const char* text;
-  const char* mask;  // name of the field with the mask of present elements; NULL: no mask
+  const char* mask;  // name of the mask field that lists the elements sent; NULL: no mask
   // Bounds of a field in a request. If messages.def gives no bounds, these are the lowest and the highest
   // value of the type.
   long long low;

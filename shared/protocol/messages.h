@@ -13,8 +13,8 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Oldest protocol version that hosts accept. Version 2 has the same messages, but boards of version 2 do not
-// execute a repeated `stop` again.
+// Oldest protocol version that hosts accept. Version 2 has the same messages, but a board with version 2 does
+// not execute the retry of a `stop`.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
 #define KZ_REPLY 0x80         // this bit of the type is set in messages from board to host
 #define KZ_ADDRESS_DEFAULT 1  // address of a board that has no stored address
@@ -65,7 +65,7 @@ extern "C" {
 #define KZ_JOINT_AT_LIMIT 0x20  // at or beyond a soft limit; outward drive is cut
 
 // Capabilities in `identify_reply`.
-#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is available; never set on shared lines
+#define KZ_CAPABILITY_TELEMETRY 0x0001    // telemetry is possible; not set if boards share a line
 #define KZ_CAPABILITY_CALIBRATION 0x0002  // calibration can be stored
 #define KZ_CAPABILITY_RAW_DRIVE 0x0004
 #define KZ_CAPABILITY_LOADER 0x0008
@@ -97,10 +97,11 @@ extern "C" {
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad around the nominal value
 
 // Gains after a reset. With these gains, no joint oscillates across its gear backlash at any load
-// (docs/howto/bench.md, step.hunting). Behaviors set other gains.
-#define KZ_KP_DEFAULT 4096  // 16 per rad; the unit is 1/256 per rad
-#define KZ_KP_HAND 205      // 0.8 per rad, so that the jaws of the hands stay compliant
-#define KZ_KD_DEFAULT 369   // 0.09 s/rad; the unit is 1/4096 s/rad
+// (docs/howto/bench.md, step.hunting). Behaviors set other gains. One unit of kp is 1/256 per rad, and one
+// unit of kd is 1/4096 s/rad.
+#define KZ_KP_DEFAULT 4096  // kp of 16 per rad
+#define KZ_KP_HAND 205      // kp of 0.8 per rad for the hands, so that their jaws stay compliant
+#define KZ_KD_DEFAULT 369   // kd of 0.09 s/rad
 
 #define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 
@@ -171,8 +172,9 @@ enum kz_size {
 //
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
-// A masked field has one number for each set bit of the mask, up to the maximum of the message. Mask bits
-// above the highest joint have no number. Unpacking sets the numbers of joints that are not in the mask to 0.
+// A field with a mask contains one number for each set bit of the mask, but at most the maximum of the
+// message. Mask bits above the highest joint have no number. Unpacking sets the numbers of joints that are
+// not in the mask to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

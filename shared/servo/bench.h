@@ -1,4 +1,5 @@
-// Bench functions of the servo tick: the timers of unlock and raw drive, and the raw drive itself.
+// Bench functions of the servo tick. They drive one motor directly (raw drive), and end unlock and raw drive
+// when their times are over.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_BENCH_H
 #define KAZ_SHARED_SERVO_BENCH_H
@@ -9,8 +10,8 @@
 extern "C" {
 #endif
 
-// Advances the timers of unlock and raw drive by this tick and the missed ticks. Call kz_bench_update in
-// every tick while unlocked_ms is not 0. A raw drive requires the unlock.
+// Reduces the remaining times of unlock and raw drive by this tick and the missed ticks. Call kz_bench_update
+// in every tick while unlocked_ms is not 0. A raw drive requires the unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
 // Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of the raw-driven joint

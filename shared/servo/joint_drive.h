@@ -8,10 +8,11 @@
 #define KZ_DUTY_MAX 255
 #define KZ_DRIVE_SHIFT 11  // the unit of a drive is 1/2048 of a count of duty
 
-// The unit of rates is 100 urad per 64 ms. T in joint_loop.h is also 64 ms. So a distance of 100 urad allows
-// a rate of 1.
-#define KZ_NEAR_LIMIT 1000  // in units of 100 urad; at smaller distances to a limit, T is 32 ms
-// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. Noise of one A/D code cannot cause a higher rate.
+// The unit of distances is 100 urad, and the unit of rates is 100 urad per 64 ms. In these units, the maximum
+// rate toward a limit is distance + min(distance, KZ_NEAR_LIMIT), as in joint_loop.h.
+#define KZ_NEAR_LIMIT 1000  // 0.1 rad
+// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. If noise changes the A/D code of a resting joint by 1, the
+// measured rate stays below KZ_SLOW.
 #define KZ_SLOW 320
 // Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204
@@ -60,7 +61,8 @@ static inline void kz_put_drive(kz_joint* joint, s32 drive) {
   if (strength >= (u32)KZ_DUTY_MAX << KZ_DRIVE_SHIFT) {
     joint->duty = KZ_DUTY_MAX;
   } else {
-    // A shift by 16 takes the upper half, so the H8 needs no shift loop.
+    // The right shift by 16 only selects the upper word. The H8 does this faster than a right shift by
+    // KZ_DRIVE_SHIFT.
     joint->duty = (u8)(strength << (16 - KZ_DRIVE_SHIFT) >> 16);
   }
   joint->forward = forward;

@@ -9,12 +9,12 @@
 //
 // A faster joint is braked with up to full drive. At and beyond a limit, drive further outward is cut.
 //
-// With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. A joint at the maximum speed
-// must decelerate by speed / T. The hips carry the largest inertia, 0.02 kg m2 (leg stretched). To brake
-// from 12 rad/s, a hip needs 3.8 Nm; reverse drive and back-EMF give 4.4 Nm.
+// With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. To stay below the maximum
+// speed, a joint near a limit must decelerate at speed / T. The hips carry the largest inertia, 0.02 kg m2
+// (leg stretched). To brake from 12 rad/s, a hip needs 3.8 Nm; reverse drive and back-EMF give 4.4 Nm.
 //
 // To save time, the full computation runs only for `constrained` joints. A joint is constrained if it has a
-// dead band or friction, or is near a limit. protection.c checks every 4 ms whether a joint is near a limit.
+// dead band or friction, or is near a limit. Every 4 ms, protection.c checks whether a joint is near a limit.
 // A joint counts as near a limit if the joint may need to brake for this limit within 4 ms. Joints faster
 // than 8 rad/s always count as near a limit.
 #ifndef KAZ_SHARED_SERVO_JOINT_LOOP_H
@@ -35,10 +35,11 @@ extern "C" {
 #define KZ_CONSTRAINED_NEAR_LIMIT 1
 #define KZ_CONSTRAINED_BY_FRICTION 2  // has a dead band or friction
 
-// A joint is far from a limit if the distance exceeds the sum of the rate and KZ_FAR_FROM_LIMIT. Such a joint
-// does not have to brake for the limit within 4 ms. The allowed rate is the distance plus 1000. Within 4 ms
-// the distance shrinks by at most 620 (15.5 rad/s, no-load speed at 12 V). In 4 ms, the filter passes 41 % of
-// a step of the speed, so full drive raises the filtered rate by at most 3,420.
+// A joint is far from a limit if distance > rate + KZ_FAR_FROM_LIMIT (units: joint_drive.h). Such a joint
+// does not have to brake for the limit within 4 ms. Reason: the allowed rate is distance + 1000. In 4 ms, the
+// distance shrinks by at most 620, even at the no-load speed of 15.5 rad/s at 12 V. In the same time, full
+// drive raises the filtered rate by at most 3,420, because the filter passes 41 % of a speed step.
+// KZ_FAR_FROM_LIMIT must therefore be at least 620 + 3420 - 1000 = 3040.
 #define KZ_FAR_FROM_LIMIT 3100
 
 // Runs one tick for KZ_JOINTS joints. Computes the angle and rate of each joint from the A/D codes. If a

@@ -37,8 +37,8 @@ void kz_joint_drive_raw(kz_joint* joint, s16 drive);
 // Convert `kp` and `kd` from the units of the message `gains` to the units of the loop.
 s16 kz_scaled_kp(u16 kp);
 s16 kz_scaled_kd(u16 kd);
-// Convert from the units of the loop to the units of the message `gains`, rounded to the nearest value.
-// Converting the result with kz_scaled_kp or kz_scaled_kd gives `scaled` again.
+// Convert from the units of the loop to the units of the message `gains`, rounded to the nearest value. The
+// conversion is reversible: kz_scaled_kp and kz_scaled_kd convert the result back to `scaled`.
 u16 kz_unscaled_kp(s16 scaled);
 u16 kz_unscaled_kd(s16 scaled);
 

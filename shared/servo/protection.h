@@ -43,7 +43,8 @@ extern "C" {
 #define KZ_STALL_COUNT (1000 / KZ_PROTECTION_MS)
 #define KZ_STALL_REPORTED 6  // KZ_JOINT_STALLED is set if `stalled` has at least this value
 #define KZ_HEAT_LOAD 89      // continuous load that a motor withstands, in units of 1/255
-// Upper 16 bits of the heat at which motors are switched off: 89^2 * 8192 / 65536.
+// The motors are switched off at the heat KZ_HEAT_LOAD^2 * 8192. KZ_HEAT_FULL is the upper 16 bits of this
+// 32-bit number.
 #define KZ_HEAT_FULL ((u16)(KZ_HEAT_LOAD * KZ_HEAT_LOAD / 8))
 
 // Updates load, stall and heat of the joints that are due in this tick. Every 4 ms, also updates the flag in

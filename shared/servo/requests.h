@@ -18,14 +18,15 @@ void kz_requests_init(kz_servo* servo);
 // Executes the request in servo->receiver if the request is addressed to this board or to all boards.
 // servo->receiver must contain a valid frame. Queues the reply or refusal, unless the request was sent to all
 // boards. A repeated request is not executed again, and the reply reports the outcome of the first execution.
-// There are two exceptions. A repeated `stop` is executed again. If any other request is repeated, the part
-// that switches something off is executed again.
+// There are two exceptions. A repeated `stop` is executed again. A repetition of any other request can switch
+// something off again, but never on. For example, a repeated `enable` switches no joint on.
 void kz_request_received(kz_servo* servo);
 
 // Sets the outcome of the requests that waited for the end of an action. `outcome` is a kz_outcome
 // (handlers.h).
 void kz_requests_finish(kz_servo* servo, u16 outcome);
-// Returns 1 if nothing is being sent, and no reply must be sent before the pending action.
+// Returns 1 if the pending action can begin: nothing is being sent, and all replies that must precede the
+// action have been sent.
 u8 kz_requests_leave_room(const kz_servo* servo);
 
 // Starts the next reply, or telemetry if no reply is due. Does nothing while the sender is busy.

@@ -48,7 +48,7 @@ typedef struct kz_store {
   u8 parts;      // lines per copy
   u8 block;      // block of the newest copy, 0 if there is no copy
   u8 line;       // first line of the newest copy
-  u8 used[2];    // number of lines of each block up to the last line that is not blank
+  u8 used[2];    // used lines of each block: all up to the last line that is not blank
   u8 erases[2];  // number of erasures of each block, saturated at 255
 } kz_store;
 
@@ -64,14 +64,14 @@ typedef struct kz_store_plan {
 // the number of blocks, 1 or 2.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
-// Plans the next copy. The copy follows the used lines of the newest copy's block if there is room. If there
-// is no room, the copy begins the other block, which must be erased first. If the log has only one block and
-// the block is full, the block must be erased first. The log then has no valid copy until the new copy is
-// written.
+// Plans the next copy. If the block with the newest copy has room after its used lines, the next copy goes
+// there. If there is no room, the next copy goes to the beginning of the other block, which must be erased
+// first. If the log has only one block and the block is full, the block must be erased first. The log then
+// has no valid copy until the new copy is written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
-// Writes one part of the planned copy to `line` (32 bytes). The caller must then program this line at the
-// line number plan->line + part. `data` has KZ_STORE_DATA bytes.
+// Writes one part of the planned copy to `line` (32 bytes). The caller must then program these 32 bytes into
+// line number plan->line + part of the block. `data` has KZ_STORE_DATA bytes.
 void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan, u8 part,
                      const u8* data);
 

@@ -10,8 +10,8 @@ extern "C" {
 #endif
 
 // Updates the schedule; call kz_telemetry_update in every tick while telemetry_ms is not 0. At the start of
-// each period, the frames of that period become due. Frames of the previous period that have not been started
-// are dropped and counted.
+// each period, all frames that the host selected become due. Frames of the previous period whose transmission
+// has not begun are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
 // Ends telemetry. Frames that are due but not yet started are dropped.

@@ -18,7 +18,7 @@ struct BusServo {
   std::string joint;
   int id = 0;
   const Model* model = nullptr;  // never null in a parsed file
-  double zero = 0;               // sensor step at joint angle 0
+  double zero = 0;               // reading of the position sensor at joint angle 0, steps
   bool reversed = false;         // steps decrease as the joint angle increases
 
   // Convert between joint angle (rad) and sensor steps, without wrapping.

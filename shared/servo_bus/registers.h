@@ -30,11 +30,12 @@ struct Register {
   int initial = 0;       // factory value
   int min = 0, max = 0;  // range of writable values
   std::string_view unit;
-  std::string_view effect;  // in brackets if the effect is not simulated
+  std::string_view effect;  // purpose of the register; in brackets if not simulated
   std::string_view source;  // letters, explained in the .def file
   int count = 1;            // number of consecutive registers that this entry describes
-  int initial_step = 0;     // difference between factory values of consecutive registers
-  // The only writable values, such as "0 1 3". If empty, all values from min to max are writable.
+  int initial_step = 0;     // register i has the factory value initial + i * initial_step
+  // List of the values that may be written, such as "0 1 3". If the list is empty, all values from min to max
+  // may be written.
   std::string_view values = {};
 
   // Returns the address after the register.

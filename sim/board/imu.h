@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
-// offset, scale and saturation. The offset is the sum of a constant, which differs from part to part, and a
-// random drift x. The drift is a first-order Gauss-Markov process that starts in the stationary distribution:
+// offset, scale and saturation. The offset has two parts: a constant that differs from sensor to sensor, and
+// a random drift x. The drift is a first-order Gauss-Markov process that starts in the stationary
+// distribution:
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //
-// The filter is exact for an input that is constant within a millisecond. White noise has the one-sided
-// density N. The bandwidth of samples at 1 kHz is 500 Hz, half the sampling rate. So the noise of each sample
-// has a normal distribution with sigma N sqrt(1000 / 2).
+// The low-pass is computed exactly for an input that is constant within each millisecond. White noise has the
+// one-sided density N. The bandwidth of samples at 1 kHz is 500 Hz, half the sampling rate. So the noise of
+// each sample has a normal distribution with sigma N sqrt(1000 / 2).
 #pragma once
 
 #include <array>
@@ -54,7 +55,7 @@ class Imu {
     ImuAxisParams params;
     bool real = false;  // true if the sensor has errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
-    // The values e, sigma sqrt(1 - e^2) and x of the drift process above.
+    // Symbols in the formula of the drift: `stay` is e, `stir` is sigma sqrt(1 - e^2), `wandered` is x.
     double stay = 1, stir = 0, wandered = 0;
   };
   std::uint64_t seed_;

@@ -18,8 +18,8 @@ constexpr std::uint64_t kImuOffset = 1000;     // three channels
 constexpr std::uint64_t kPotLinearity = 2000;  // eight channels per joint
 constexpr std::uint64_t kPotMounting = 3000;   // one channel per joint
 
-// Returns a constant sensor error that differs from part to part. The error has a normal distribution with a
-// sigma of half the limit, and is clamped to +-limit.
+// Returns a constant sensor error that differs from part to part. The error has a normal distribution with
+// sigma = limit / 2 and is clamped to -limit..limit.
 inline double spread(double limit, std::uint64_t seed, std::uint64_t channel) {
   return std::clamp(0.5 * limit * keyed_normal(seed, 0, channel), -limit, limit);
 }

@@ -6,10 +6,11 @@
 //
 //   x = 1/2 + sign (angle + offset - center) / range
 //
-// with `sign` and `center` (pot_centre) from joints.def. On the track the output is x + e(x). The linearity
-// error e is a sum of three sine waves with 1, 2 and 3 half periods along the track. By the definition of
-// terminal-based linearity, e is zero at both ends of the track. On a terminal the output is 0 or 1. Beyond a
-// terminal the wiper is open, and a pull-up resistor determines the level.
+// The file joints.def contains `sign` and `center` (there called pot_centre) of each joint. On the track the
+// output is x + e(x). The linearity error e is a sum of three sine waves with 1, 2 and 3 half periods along
+// the track. By the definition of terminal-based linearity, e is zero at both ends of the track. On a
+// terminal the output is 0 or 1. Beyond a terminal the wiper is open, and a pull-up resistor determines the
+// level.
 #pragma once
 
 #include <array>

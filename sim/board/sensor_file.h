@@ -39,7 +39,7 @@ struct ImuAxisParams {
   double share_per_unit = 0;
   double zero_offset = 0;    // maximum offset of the zero point, rad/s or m/s^2
   double wander = 0;         // standard deviation of the zero point's drift, rad/s or m/s^2
-  double wander_time_s = 1;  // correlation time of the drift (1/e)
+  double wander_time_s = 1;  // time in which the correlation of the drift falls to 1/e
   double bandwidth_hz = 40;  // bandwidth of the first-order low-pass, -3 dB
   double noise_density = 0;  // one-sided noise density, units per root Hz
   double range = 0;          // maximum, rad/s or m/s^2; beyond this value, the output saturates
@@ -55,11 +55,11 @@ struct SensorParams {
 // Switches for the errors of the sensors. True: the sensor has errors and noise. False: the output of the
 // sensor is exactly the nominal output.
 struct SensorSwitches {
-  bool potentiometer = true;  // noise, and an open wiper beyond the track
+  bool potentiometer = true;  // noise; beyond the terminals, the wiper has no contact
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
-  bool supply = true;         // noise; the sag of the supply voltage is simulated in any case
+  bool supply = true;         // noise; this switch does not affect the sag of the supply
   bool reference = true;      // noise
-  bool temperature = true;    // noise; the heating of the drivers is simulated in any case
+  bool temperature = true;    // noise; this switch does not affect the drivers' heating
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 

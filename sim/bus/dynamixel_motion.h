@@ -1,15 +1,15 @@
 // Motion control of a virtual DYNAMIXEL: computes the duty of the motor from registers and position sensor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positions are in pulses, speeds in pulses/s, PWM in units of the registers (885 is 100 %). All these values
-// have the same sign as in the registers. The register drive_mode can reverse this sign relative to the
-// servo's direction.
+// Positions are in pulses and speeds in pulses/s. PWM values are in the unit of the registers, in which 885
+// means 100 %. All these values have the same sign as in the registers. The register drive_mode can reverse
+// this sign relative to the servo's direction.
 //
 // The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains.
 // Rhoban (a robotics team) measured the divisor of the XL330's P gain.
 //
 // We chose the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds of
-// moving_status. The control period sets the units (per ms) of the D, I and feedforward gains.
+// moving_status. The D, I and feedforward gains count time in control periods, so their unit of time is 1 ms.
 #pragma once
 
 #include "sim/body/motor/motor_drive.h"
@@ -55,7 +55,7 @@ class DynamixelMotion {
   Trajectory trajectory_;
   // Speed and acceleration of the present profile; speed 0: no profile.
   double profile_speed_ = 0, profile_rate_ = 0;
-  // Shape of the present profile, in the encoding of moving_status.
+  // Shape of the present profile, encoded as in the register moving_status.
   int shape_ = 0;
   double integral_ = 0;  // integral term, in units of PWM
   double pwm_ = 0, duty_ = 0;

@@ -9,8 +9,8 @@
 //   depends on the present supply voltage.
 // - An error that is not selected in `shutdown` ends when the cause of the error ends.
 //
-// The torque is computed from the PWM value minus the PWM value that the present speed requires. Encoder
-// errors and electrical shocks are not simulated.
+// The torque is not measured. As a fraction of the maximum torque, it is the duty minus the ratio of the
+// speed to the no-load speed. Encoder errors and electrical shocks are not simulated.
 #pragma once
 
 #include "sim/bus/register_file.h"

@@ -6,11 +6,11 @@
 //
 // - If a packet to this servo has a wrong CRC, the servo answers with the CRC error.
 // - If a write has any error, no register is changed.
-// - If a read covers at least one register, all addresses without a register read 0.
+// - If a read covers at least one register, the answer contains 0 for each address without a register.
 // - In a sync or bulk read, each servo waits until the previous servo has answered. If the previous servo
 //   does not answer, the waiting servo does not answer either.
 // - A broadcast ping is answered in the order of the ids. Each servo answers in a separate time slot.
-// - In a fast read, only the first servo has a return delay.
+// - In a fast read, only the first servo waits for its return delay before it answers.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ class DynamixelServo final : public VirtualServo {
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
   // Duration of a reboot (chosen by us).
   static constexpr Time kReboot = std::chrono::milliseconds(300);
-  // After a broadcast ping, each id has a time slot for its answer. The time between two successive slots is
-  // kPingSlot (chosen by us) plus the duration of one answer.
+  // After a broadcast ping, each id has a time slot for its answer. The length of a slot is kPingSlot (chosen
+  // by us) plus the duration of one answer.
   static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
@@ -99,16 +99,17 @@ class DynamixelServo final : public VirtualServo {
     Block block;
   };
   std::optional<Turn> turn_;
-  // This servo's part of a fast read. `heard` contains the bytes of the common answer that this servo has
-  // received so far. The common answer has `before` bytes before this servo's part, and `behind` bytes after
-  // this part.
+  // This servo's part of a fast read, in which several servos send one common answer. `heard` contains the
+  // bytes of the common answer that this servo has received so far. `before` and `behind` are the numbers of
+  // bytes that other servos send before and after this servo's part.
   struct FastTurn {
     std::vector<std::uint8_t> heard;
     std::size_t before, behind;
     Block block;
   };
   std::optional<FastTurn> fast_;
-  // Number of remaining bytes of a common answer that this servo ignores.
+  // Number of bytes that this servo still has to ignore. Other servos send these bytes after this servo's
+  // part of a common answer.
   std::size_t not_mine_ = 0;
 };
 

@@ -52,7 +52,7 @@ class FeetechMotion {
   void report(RegisterFile& registers, const ServoReading& reading, int position) const;
 
   double steps_ = 0;         // last reading of the position sensor
-  double turns_origin_ = 0;  // origin of multi-turn positions
+  double turns_origin_ = 0;  // sensor position from which multi-turn positions count
   Trajectory trajectory_;
   double steps_goal_ = 0;   // goal of mode 3
   double timed_speed_ = 0;  // speed computed from goal_time; 0: goal_time is not used

@@ -10,10 +10,10 @@
 // - A temperature above max_temperature switches the torque off.
 //
 // The register unload_condition selects which of these protections act. The register `status` shows the
-// conditions of all these protections. The torque is computed as the duty minus the duty that the present
-// speed requires. Thus the torque is 0 if the servo runs freely at full speed, and equal to the duty if the
-// servo is stalled. The maker does not document how a hot servo recovers. In this simulation, the host must
-// switch the torque on again.
+// conditions of all these protections. The torque is not measured. It is computed as the duty minus the ratio
+// of the speed to the no-load speed. Thus the torque is 0 if the servo runs freely at full speed, and equal
+// to the duty if the servo is stalled. The maker does not document how a hot servo recovers. In this
+// simulation, the host must switch the torque on again.
 #pragma once
 
 #include "sim/bus/feetech_motion.h"

@@ -60,11 +60,11 @@ class HalfDuplexLine {
   };
   struct Uart {
     double bit_ns;
-    Time from{};         // falling edges before this time are not start bits
+    Time from{};         // the UART ignores falling edges before this time
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    Time after{};  // new value of `from` once next() has returned the byte in `next`
+    Time after{};  // when next() returns the byte in `next`, it sets `from` to this time
   };
 
   bool level(std::size_t node, Time at) const;

@@ -24,9 +24,9 @@ class RegisterFile {
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
   // Writes a register like the servo's firmware, which can also write read-only registers. Clamps the value
-  // to the register's range. Exception: for a writable DYNAMIXEL register, the value is clamped to the
-  // numbers that the register's bytes can contain. The function has no effect if the model does not have the
-  // register.
+  // to the register's range. Exception: the range of a writable DYNAMIXEL register is ignored. Its value is
+  // only clamped to numbers that fit into the register's bytes. The function has no effect if the model does
+  // not have the register.
   void set(std::string_view name, int value);
   // Writes one of the consecutive registers that `reg` describes. `index` is the number of this register,
   // counted from 0. An EEPROM register keeps the value without power, unless the EEPROM is locked.

@@ -90,9 +90,9 @@ struct CompareReport {
 // sources than this program. Returns Fault::failed if the chip stops on an error or runs no ticks.
 Result<CompareReport> compare_engines(const CompareOptions& options);
 
-// Returns Fault::usage if the image header in the chip's flash has another build id than this program.
-// Without this check, the comparison of two different builds would fail at the first reply that contains the
-// build id. An image without a header passes the check.
+// Compares the build id in the image header in the chip's flash with the build id of this program. Returns
+// Fault::usage if the two build ids differ. Without this check, the comparison of two different builds would
+// fail at the first reply that contains the build id. An image without a header passes the check.
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

@@ -55,7 +55,8 @@ struct WireReport {
   std::int64_t conversations = 0;
   bool stopped = false;        // WireOptions::stop ended the comparison
   std::int64_t different = 0;  // number of conversations with a difference
-  // Number of conversations that ended early because replies were one tick apart (wire_differences.h).
+  // Number of conversations that ended early. A conversation ends early if corresponding replies of the two
+  // boards come from adjacent ticks (wire_differences.h).
   std::int64_t ended_early = 0;
   // The first difference of each of the first few conversations that differ.
   std::vector<WireDifference> differences;

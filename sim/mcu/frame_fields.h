@@ -18,9 +18,8 @@ std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
 // Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or
 // "state_reply.header.sequence". If the types differ, the only result is "type (NAME, NAME)" with the two
-// type codes. The result is empty if the bodies are equal or a type is unknown. The result omits array
-// elements that only one body contains. In this case the mask fields of the bodies differ, so the result
-// contains the mask field.
+// type codes. The result is empty if the bodies are equal or a type is unknown. If only one body contains an
+// array element, the result omits the element. The result then contains the mask field, which also differs.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,
                                                  std::span<const std::uint8_t> h8);
 

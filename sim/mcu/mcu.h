@@ -106,9 +106,9 @@ class Mcu {
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
-  // the levels of the multiplexers' select pins at that time. The function must have no side effects, because
-  // the engine skips samples that the program cannot read. The voltage may depend only on the arguments and
-  // on values that change only between runs or in listeners.
+  // the levels of the multiplexers' select pins at that time. The engine does not call the function for
+  // samples that the program cannot read. Therefore the function must have no side effects. The voltage may
+  // depend only on the arguments and on values that change only between runs or in listeners.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
@@ -131,10 +131,10 @@ class Mcu {
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // keep() and take() save and restore the state faster, if many chips of one process continue from the same
-  // state. keep() returns an object with the parts of the state that are slow to restore from bytes. The rest
-  // of the state is written to `to`. If keep() returns null, `to` gets the whole state. Several chips may
-  // call take() with the same object concurrently.
+  // keep() and take() are alternatives to save() and restore(). They are faster if many chips of one process
+  // continue from the same state. keep() returns an object with the parts of the state that are slow to
+  // restore from bytes. The rest of the state is written to `to`. If keep() returns null, `to` gets the whole
+  // state. Several chips may call take() with the same object concurrently.
   struct Kept {
     virtual ~Kept() = default;
   };

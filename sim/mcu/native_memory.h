@@ -32,7 +32,7 @@ class NativeMemory {
   void store_address(const kz_servo& servo, States from);
   // Returns the time at which the board stops serving the serial line because of the write.
   States deaf_from() const { return deaf_from_; }
-  // Returns the time at which the write ends, unless cut() aborts the write.
+  // Returns the planned end of the write. cut() can abort the write before that time.
   States over_at() const { return over_at_; }
   // Returns the time that the firmware needs to verify the write and to read the log.
   States read_back_states() const { return read_back_; }

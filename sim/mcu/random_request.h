@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Fields with bounds (message_info.h) get random values inside, at and outside the bounds. Fields without
-// bounds get values with which most requests succeed: angles near the middle of the joint's range, and
-// calibration near the nominal values. Some requests form short sequences, such as a calibration and a
-// request to store the calibration.
+// bounds get plausible values, with which the board accepts most requests. Most angles are in the middle half
+// of the joint's range. Most calibration values are near the nominal values. Some requests form short
+// sequences, such as a calibration and a request to store the calibration.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@
 
 namespace kaz::sim {
 
-// Damages a frame, which must not be empty, with one of five random faults. The fault flips a bit, removes a
-// byte, inserts a byte, cuts off the end, or replaces the frame with up to `max_noise` random bytes. After a
-// cut or a replacement, the frame has at least `min_length` bytes. In one of six calls, the function returns
-// false and leaves the frame unchanged.
+// Damages a frame at random; the frame must not be empty. Five random faults and no fault are equally likely.
+// A fault flips a bit, removes a byte, inserts a byte, cuts off the end, or replaces the frame with up to
+// `max_noise` random bytes. After a cut or a replacement, the frame has at least `min_length` bytes (0 or 1).
+// Without a fault, the function returns false.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 

@@ -67,7 +67,8 @@ class RandomAnalog {
   std::uint64_t seed_;
   Random random_;
   std::array<Input, KZ_ANALOG> inputs_{};
-  int calm_ms_ = 2000;  // remaining time without broken inputs, in which the control loops run
+  // Remaining time in which no further input breaks, so that the control loops run.
+  int calm_ms_ = 2000;
 };
 
 }  // namespace kaz::sim

@@ -19,8 +19,8 @@ struct DecodedByte {
   std::uint8_t value = 0;
   States start = 0;            // falling edge of the start bit
   bool framing_error = false;  // the stop bit is low
-  // Largest deviation of the byte's edges from whole bit times. If the byte starts before the nominal end of
-  // the previous frame, the two frames overlap. The value is then at least the length of the overlap.
+  // Largest deviation of the byte's edges from whole bit times. If a frame starts before the nominal end of
+  // the previous frame, the two frames overlap. The deviation is then at least the length of the overlap.
   States edge_deviation = 0;
 };
 

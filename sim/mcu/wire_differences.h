@@ -14,8 +14,9 @@ struct WireException {
   const char* h8;      // behavior of the emulated board
   const char* native;  // behavior of the native board
   const char* reason;
-  // Message type of a reply, and name of the field that the comparison leaves out in replies of this type.
-  // Type 0: the difference is not in a field of a reply; the comparison avoids or tolerates the difference.
+  // In replies of the message type `type`, the comparison leaves out the field with the name `field`. If
+  // `type` is 0, the difference is not in a field of a reply. The comparison then avoids or tolerates the
+  // difference.
   std::uint8_t type = 0;
   const char* field = nullptr;
 };

@@ -24,8 +24,8 @@
 
 namespace kaz::sim {
 
-// Forbidden times for the end of a byte: while a tick reads the receive ring, and while a starting board
-// enables the receiver.
+// No byte of the host may end while a tick reads the receive ring, or while a starting board enables its
+// receiver. This structure contains these times.
 struct WireWindows {
   bool ticks = false;  // whether the board runs ticks
   States tick_at = 0;  // due time of one tick; the other due times follow from the tick period

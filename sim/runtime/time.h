@@ -10,8 +10,8 @@
 
 namespace kaz::sim {
 
-// Rounds down. One state lasts 1e9 / 18,432,000 = 15,625 / 288 ns. A millisecond is a whole number of states
-// and of nanoseconds.
+// Rounds down. The board's crystal has 18.432 MHz, so one state lasts 15,625 / 288 ns. A millisecond is a
+// whole number of states and of nanoseconds.
 constexpr Time time_of(States states) {
   return Time(states * 15625 / 288);
 }

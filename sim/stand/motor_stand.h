@@ -5,8 +5,9 @@
 // applies a torque to the shaft. A hand turns the shaft to an angle that a protractor shows. A knob sets the
 // supply voltage.
 //
-// Each motor has one body with one degree of freedom, so the step is solved in closed form. Motor model
-// (joint_motor.h) and step size are the same as for a robot:
+// Each motor has one body with one degree of freedom, so the step is solved in closed form. The motor model
+// (joint_motor.h) and the step size are the same as for a robot. This equation gives w1, the speed after the
+// step:
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //
@@ -90,7 +91,7 @@ class MotorStand final : public World {
   struct Shaft {
     bool clamped = false, guided = false, pressing = false;
     double press_nm = 0, goal_rad = 0, guide_rad = 0;
-    // Ring buffer of the scale, Nm. `next` is the index of the newest value.
+    // Ring buffer of the scale, Nm. The newest value is at the index `next`.
     std::array<double, kScaleSteps> pressed{};
     std::uint32_t next = 0, count = 0;
     std::int64_t pressed_at = 0;  // step of the newest value

@@ -21,7 +21,7 @@ class FlashBench final : public host::Link, public host::Clock, public host::Boa
   explicit FlashBench(const std::string& image = "", const h8s::Options& options = {},
                       std::uint64_t seed = 1);
 
-  // --- faults; times are on the scale of now()
+  // --- Simulated faults. The times of faults use the same time scale as now().
   void cut_power_at(Time when, Time length) { cut_at_ = when, cut_length_ = length; }
   // At the time `when` and later, read() and write() return Fault::environment.
   void unplug_at(Time when) { unplug_at_ = when; }

@@ -4,10 +4,10 @@
 //
 // Method: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect Inference", Journal of
 // Applied Econometrics 8). A formula estimates each parameter from the measurements. The resolutions of A/D
-// converter and duty cycle, and the warming of the motor, bias these estimates by a few percent. Therefore
-// the bench also runs on the simulated model, and the same formulas are applied to its measurements. Each
-// round multiplies each parameter of the model by a ratio: the estimate from the report, divided by the
-// estimate from the simulated bench.
+// converter and duty cycle, and the warming of the motor, bias these estimates by a few percent. Therefore,
+// in each round, a simulated bench measures the model, and the same formulas estimate the model's parameters.
+// If an estimate from the report is r times the estimate from the simulated bench, the parameter of the model
+// is multiplied by r.
 #pragma once
 
 #include <functional>
@@ -49,9 +49,9 @@ struct MotorFit {
 struct MotorFitOptions {
   std::string joint;       // name of the joint in the report; empty: the only joint of the report
   sim::MotorParams start;  // parameters of the model before the fit
-  // Options of the simulated board: microcontroller and image, sensors, seed. Use h8 for the report of a real
-  // board. The bench also measures delays of the firmware, about 0.1 ms when a motor starts, and only h8
-  // simulates these delays.
+  // Options of the simulated board: microcontroller and image, sensors, seed. For the report of a real board,
+  // use the microcontroller h8. The measurements include delays of the firmware, such as 0.1 ms when a motor
+  // starts. Only h8 simulates these delays.
   sim::SimulationOptions board;
   int max_rounds = 6;
   // `share`: progress, 0..1. May be null.

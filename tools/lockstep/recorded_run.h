@@ -1,4 +1,4 @@
-// The host's part of a recording: bytes in both directions, pictures, and entries of the behavior.
+// Decodes those contents of a recording that a replay needs: serial bytes, pictures, entries of the behavior.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // step() advances time by one millisecond, like the simulation. Pictures and the board's bytes arrive at the
-// host at their recorded times. Every byte from the host is compared with the recorded byte. The arrival
-// times must also be equal, with a resolution of one state of the crystal. Line faults change the bytes in
-// the same way as in the recorded run, because the recorded seed is used. Single-threaded.
+// host at their recorded times. Every byte from the host is compared with the recorded byte. The arrival time
+// of each byte must also be equal. Arrival times are counted in periods of the board's crystal. Line faults
+// change the bytes in the same way as in the recorded run, because the recorded seed is used.
+// Single-threaded.
 #pragma once
 
 #include <deque>
@@ -51,8 +52,8 @@ class ReplayedBoard {
   // Call this function after the host has finished. Detects recorded bytes and entries that the host did not
   // produce.
   void finish();
-  // First difference in the bytes to the board. If all bytes are equal but the host ends earlier or later
-  // than in the recording, this end is the difference.
+  // First difference in the bytes to the board. It is also a difference if all bytes are equal, but the host
+  // ends earlier or later than in the recording.
   const std::optional<HostDifference>& difference() const { return difference_; }
   // First difference in the behavior's entries. If different entries cause different bytes, the entries
   // differ first and show the cause.
@@ -107,8 +108,8 @@ class ReplayCamera final : public vision::Camera {
   ReplayedBoard& board_;
 };
 
-// Describes the byte at `offset` in the bytes from a host, and the message that contains the byte: "0x3a in
-// `enable` #12 mask=0x3, frame 00 05 01 ...".
+// Returns a text about the byte at `offset` in the bytes from a host. The text contains the byte and its
+// message. Example: "0x3a in `enable` #12 mask=0x3, frame 00 05 01 ...".
 std::string byte_in_words(std::span<const std::uint8_t> sent, std::size_t offset);
 
 }  // namespace kaz::lockstep

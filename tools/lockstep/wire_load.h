@@ -9,10 +9,10 @@ namespace kaz::lockstep {
 struct WireLoad {
   double rate_hz = 0;                  // rate of received postures
   double share_out = 0, share_in = 0;  // utilization of the wire in each direction, 0..1
-  // Longest time from sending the targets of a cycle to receiving the posture of the same cycle.
+  // Largest delay of a cycle: the time from sending the cycle's targets to receiving the cycle's posture.
   double oldest_s = 0;
-  // Number of cycles that could not start on time because requests of earlier cycles still filled the window
-  // of unanswered requests.
+  // Number of cycles that started late. The cause of a late start is that too many earlier cycles are
+  // unanswered.
   std::uint64_t late = 0;
   std::uint64_t retries = 0;
 };

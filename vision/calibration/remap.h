@@ -39,8 +39,9 @@ class Remap {
   // `wanted` of the result. `wanted` has one entry per row of the result.
   std::vector<Columns> sources(std::span<const Columns> wanted) const;
 
-  // Computes the given columns of row `v` of the result. Each column consists of three numbers in units of
-  // 1/64 code. `out` points to the numbers of column 0. One number after the last column is also overwritten.
+  // Computes the given columns of row `v` of the result. A pixel has three numbers: red, green and blue. The
+  // unit of these numbers is 1/64 of a color code. `out` points to the numbers of column 0. One number after
+  // the last column is also overwritten.
   void row(std::span<const std::uint8_t> source_rgb, int v, Columns columns,
            std::uint16_t* out) const;
   // Like row(), but without SIMD. For processors without SIMD and for tests.
@@ -51,7 +52,9 @@ class Remap {
 
  private:
   struct Tap {
-    std::uint32_t offset = 0;             // byte offset of the upper left of four pixels
+    // Each pixel of the result is interpolated between four pixels of the source. `offset` is the byte offset
+    // of the upper left of these pixels.
+    std::uint32_t offset = 0;
     std::uint8_t upper = 128, lower = 0;  // row weights; their sum is 128
     std::uint16_t unused = 0;
     std::uint16_t left = 0, right = 0;  // column weights; their sum is 32768 for gain 1

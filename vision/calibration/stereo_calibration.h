@@ -41,7 +41,7 @@ struct BoardPair {
 struct EyeQuality {
   int pictures = 0;
   double rms_px = 0;  // rms reprojection error if this eye is calibrated alone
-  // Standard deviation of fx, from the curvature of the least-squares cost.
+  // Standard deviation of the focal length fx, as estimated by cv::calibrateCamera.
   double focal_sigma_px = 0;
   struct Point {
     Eigen::Vector2d at, residual;  // px; residual: measured minus projected

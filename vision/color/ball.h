@@ -3,9 +3,9 @@
 //
 // The rays to the outline of a ball form a circular cone, but the outline in the picture is an ellipse. Unit
 // rays r to the outline satisfy n . r = cos(alpha), where n is the axis and alpha the half angle of the cone.
-// A least-squares fit of n and alpha (three numbers) is exact in perspective. The fit needs only part of the
-// outline, so a ball that is cut off at the edge of the picture can also be measured. The distance to the
-// center of the ball is radius / sin(alpha).
+// The axis n and the half angle alpha are fitted by least squares. Because the fit uses rays, perspective
+// causes no error. The fit needs only part of the outline, so a ball that is cut off at the edge of the
+// picture can also be measured. The distance to the center of the ball is radius / sin(alpha).
 #pragma once
 
 #include <optional>
@@ -23,8 +23,8 @@ struct BallOptions {
   int min_area = 12;  // minimum number of pixels; smaller regions are noise
   // Balls with a confidence below this value are not reported. The default was chosen on test pictures of
   // whole, cut off and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each
-  // threshold, the missed, wrong and false detections were counted. The default is the highest threshold with
-  // a count that exceeds the lowest count by at most one standard error.
+  // threshold, the missed, wrong and false detections were counted. Several thresholds have a count within
+  // one standard error of the lowest count. The default is the highest of these thresholds.
   double min_confidence = 0.68;
 };
 
@@ -40,8 +40,8 @@ struct BallObservation {
   // Confidence of the detection, 0 to 1: geometric mean of three factors.
   // - The share of the region's outline that lies on the cone.
   // - The ratio of the region's area to the area of the cone in the picture.
-  // - The quality of the fit to the mixed colors along the edge: EdgeFit::explained (ball_edge.h), or 0.25
-  //   without a fit.
+  // - The quality of the edge's fit (EdgeFit::explained, ball_edge.h). If the edge cannot be fitted, this
+  //   factor is 0.25.
   // The confidence is reduced if less than a third of the circumference is visible. The confidence is also
   // reduced if motion blur exceeds a sixth of the radius, because the distance is then uncertain.
   double confidence = 0;

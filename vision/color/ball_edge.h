@@ -3,16 +3,17 @@
 //
 // Mixing model: a pixel of the edge has the color c = s k b + (1 - s) g. Here s is the coverage: the share of
 // the pixel that the ball covers. The ball's color near the pixel is b, the ball's shading factor at the
-// pixel is k, and the background color is g. The component of c orthogonal to b does not depend on k. With n
-// = g - (g . b / b . b) b, the coverage is s = 1 - n . c / n . g. So shading towards the rim does not bias
-// the edge. With a threshold on brightness, shading would bias the edge. If the background has the ball's hue
-// or is dark, n = g - b is used.
+// pixel is k, and the background color is g. The component of c orthogonal to b does not depend on k. The
+// component of g orthogonal to b is n = g - (g . b / b . b) b. The coverage is s = 1 - n . c / n . g. So
+// shading towards the rim does not bias the edge. With a threshold on brightness, shading would bias the
+// edge. If the background has the ball's hue or is dark, n = g - b is used.
 //
 // Edge model: a disk of radius R is blurred by a Gaussian of standard deviation sigma. At the distance r from
 // the center, the coverage is approximately Phi((p - r) / sigma), where Phi is the cumulative normal
-// distribution. The blur does not change the disk's area; therefore p^2 = R^2 - sigma^2. The fit determines
-// p, sigma and the center from all pixels along the outline of the cone in the image. Blur is important for
-// small balls: for a radius R of 2.5 px, p is a tenth less than R.
+// distribution. The blur does not change the sum of the coverage over all pixels, which is the area of the
+// disk. It follows that p^2 = R^2 - sigma^2. The fit determines p, sigma and the center from all pixels along
+// the outline of the cone in the image. Blur is important for small balls: for a radius R of 2.5 px, p is a
+// tenth less than R.
 //
 // Units: px in the image, rad for the cone. Frame: optical, rays with z = 1.
 #pragma once
@@ -49,8 +50,8 @@ struct EdgeFit {
 
 // Fits the cone, starting at `cone`, which must be accurate to about a pixel. Uses only pixels in the sectors
 // `seen`. Returns nullopt if the contrast is too low or there are too few pixels. Also returns nullopt if the
-// fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). `cone` is then
-// the better estimate.
+// fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). After such a
+// large change, the fit is less accurate than `cone`.
 std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, const Cone& cone,
                                 const EdgeSectors& seen);
 

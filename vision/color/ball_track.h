@@ -4,8 +4,8 @@
 // A Kalman filter estimates position and velocity in a fixed frame (foot, or the trunk of a standing robot),
 // z up, m and m/s. The process model is nearly constant velocity (Y. Bar-Shalom, X. R. Li, T. Kirubarajan,
 // "Estimation with Applications to Tracking and Navigation", 2001, section 6.2.2). If the floor height is
-// given, gravity acts on a ball that is clearly above the floor or moves upwards. At the floor, a falling
-// ball bounces, and a saltation matrix transforms the covariance (N. Kong et al., "Saltation Matrices",
+// given, gravity acts on a ball that is clearly above the floor or moves upwards. A falling ball bounces at
+// the floor. The bounce changes the covariance by a saltation matrix (N. Kong et al., "Saltation Matrices",
 // 2023). A ball on the floor stays on the floor and slows down.
 //
 // The position errors of an observation at distance D are computed from the errors of the outline. Across the
@@ -32,8 +32,8 @@ struct BallTrackOptions {
   double centre_error_px = 0.3, radius_error_px = 0.2;  // standard deviations
   double posture_error_rad = 0.003;
   // Power density of the unmodeled acceleration (process noise), m^2/s^3. With 0.5, the track follows a ball
-  // that is moved back and forth by hand and reverses its direction within 50 ms. For a ball that moves
-  // freely, 0.05 would be enough.
+  // that is moved back and forth by hand and reverses its direction within 50 ms. If nobody touches the ball,
+  // a power density of 0.05 is enough.
   double acceleration_psd = 0.5;
   double initial_speed_m_s = 1;  // standard deviation of the speed before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
@@ -90,8 +90,9 @@ class BallTrack {
   // Predicts the state at `t`; requires known(). If `t` is before the history, returns the first state.
   BallState at(Time t) const;
   // Predicts the position at which to direct the gaze; requires known(). Like at(), but with the velocity v
-  // scaled by m / (1 + m). Here m = v^T P^-1 v, and P is the covariance of v. A velocity that is smaller than
-  // its standard deviation has little effect, so the gaze does not jitter around a ball at rest.
+  // scaled by m / (1 + m). Here m = v^T P^-1 v is the squared Mahalanobis length of v, and P is the
+  // covariance of v. A velocity that is smaller than its standard deviation has little effect, so the gaze
+  // does not jitter around a ball at rest.
   Eigen::Vector3d aim(Time t) const;
   bool in_flight(Time t) const;
 

@@ -36,8 +36,8 @@ struct ColorRange {
   double hue_min = 0, hue_max = 0;
   // Lower bound of the saturation, the ratio chroma / lightness: 0 for gray, 2.1 for pure red. The bound is
   // only used together with a range of hue. Here chroma is the component of (I, Q) along the middle of the
-  // wedge. This component is smaller than hypot(I, Q) by a share of up to 1 - cos(half the width of the
-  // wedge).
+  // wedge. At the sides of the wedge, chroma is hypot(I, Q) multiplied by the cosine of half the wedge's
+  // width.
   double saturation_min = 0;
 
   // Returns the range of the red ball: the hue is within 14 degrees of the hue of pure red, which is 19.5

@@ -16,18 +16,19 @@ struct Cone {
 
 // Fits a cone to rays. The initial cone goes through three of the rays. Several initial cones are tried, and
 // the cone with the smallest median distance to all rays is used. Then Gauss-Newton minimizes the angles
-// between rays and cone, with Tukey's weights. A ray has weight 0 if the angle between ray and cone exceeds
-// about five times the spread of these angles. If the spread is less than `noise_rad`, `noise_rad` is used
-// instead. Returns nullopt if the rays do not determine a cone with a half angle of 0.05 to 85 degrees.
+// between rays and cone, with Tukey's weights. Rays that are too far from the cone get weight 0. The limit is
+// about five times the spread of all angles between rays and cone. If `noise_rad` is larger than the spread,
+// the limit is about five times `noise_rad`. Returns nullopt if the rays do not determine a cone with a half
+// angle of 0.05 to 85 degrees.
 std::optional<Cone> fit_cone(std::span<const Eigen::Vector3d> unit_rays, double noise_rad);
 
 // Returns the angle (rad) by which a ray lies outside the cone; negative inside.
 double angle_outside(const Cone& cone, const Eigen::Vector3d& unit_ray);
 
-// Half axes of the ellipse that a cone forms in the image of a pinhole camera with focal length 1. The
-// half angle of the cone is alpha, and the angle between the axes of cone and camera is theta. With
-// A = cos^2(alpha) - sin^2(theta), the half axes are `across = sin(alpha) / sqrt(A)` and
-// `along = cos(alpha) * sin(alpha) / A`.
+// Half axes of the ellipse that a cone forms in the image of a pinhole camera with focal length 1. The half
+// angle of the cone is alpha, and the angle between the axes of cone and camera is theta.
+// Let A = cos^2(alpha) - sin^2(theta). Then `across` is sin(alpha) / sqrt(A), and `along` is
+// cos(alpha) * sin(alpha) / A.
 struct EllipseAxes {
   double across, along;
 };

@@ -6,8 +6,8 @@
 // accepted only if it passes three tests.
 // - The block has enough texture (`min_texture`), and not all edges in the block run along the rows
 //   (depth_aperture.h).
-// - The costs of all other disparities, except the two neighboring disparities, are higher by at least
-//   `uniqueness_percent`.
+// - The match is unique: other disparities have costs that are higher by more than `uniqueness_percent`. The
+//   two disparities next to the match are not checked.
 // - Matching the right picture against the left picture finds the same match (left-right check).
 // Pixels without an accepted match have no depth. The subpixel part of a disparity is computed from the costs
 // of the two neighboring disparities.
@@ -43,8 +43,8 @@ struct DepthOptions {
   double nearest_m = 0.14;
   int block_px = 15;  // side of the compared blocks; odd, 5..21
   // Minimum sum of the absolute codes of the filtered picture over a block of 15 x 15 px. For other block
-  // sizes the value is scaled by the area. Noise with a standard deviation of 1.6 codes already gives a sum
-  // of 1000, and two pictures of noise have no meaningful match.
+  // sizes the value is scaled by the area. On a surface without texture, noise with a standard deviation of
+  // 1.6 codes gives a sum of 1000. Blocks that contain only noise have no meaningful match.
   int min_texture = 1000;
   // Minimum share by which the costs of other disparities must exceed the lowest cost, percent.
   int uniqueness_percent = 10;

@@ -33,7 +33,8 @@ class BlockAperture {
 
  private:
   std::vector<std::int32_t> products_;  // gx^2 and gx gy of each pixel in the rows of the block
-  std::vector<std::int32_t> columns_;   // sums of products_ over the rows of the block, by column
+  // For each column: sums of products_ over the rows of the block.
+  std::vector<std::int32_t> columns_;
 };
 
 }  // namespace kaz::vision

@@ -33,8 +33,8 @@ struct FilteredPicture {
 };
 
 // The right image in the form that the matcher reads. Rows are mirrored, so that increasing disparities are
-// adjacent in memory. Each row ends with columns without texture, which stand for pixels beyond the left
-// border.
+// adjacent in memory. Each row ends with additional columns for the pixels beyond the left border. The
+// additional columns have no texture.
 struct MirroredPicture {
   int width = 0, height = 0, disparities = 0;
   std::vector<std::uint8_t> code;
@@ -75,7 +75,8 @@ class BlockMatcher {
   BlockOptions options_;
   BlockRow sums_{};
   MatchedRow matched_{};
-  // Numbers of picture rows: the first row in the running sums, and the next row to add to the running sums.
+  // `first_` is the number of the first row that was added to the running sums. `next_` is the number of the
+  // row that is added next.
   int first_ = 0, next_ = 0;
   std::vector<std::int16_t> columns_, window_, windows_, winners_, place_;
   std::vector<std::uint32_t> claims_;

@@ -7,8 +7,8 @@
 namespace kaz::vision {
 
 constexpr int kFilterCap = 31;  // filtered codes are in the range `0 .. 2 * kFilterCap`
-// Vector loads may read this number of elements beyond the last row. The values of these elements are not
-// used.
+// This number of elements must follow the last row in memory, because vector loads may read beyond the row.
+// The values of these elements are not used.
 constexpr int kVectorMargin = 32;
 
 // Computes one row of the horizontal 3 x 3 Sobel derivative (depth_blocks.h, FilteredPicture). With the
@@ -36,10 +36,10 @@ struct WarpRow {
 void warp_row(const WarpRow& row, bool vectors);
 
 // One step of the running sums of absolute derivatives. `in` is the row that enters the blocks. `gone` is the
-// row that leaves the blocks; if no row leaves yet, all codes of `gone` are kFilterCap. `columns` contains
-// the sum of each column; the caller must keep these sums from row to row. `textured` is the mask of the
-// middle row of the blocks: 1 where the sum over the block is at least `min_sum`. The mask is not written
-// within half a block of the borders. `textured` is null as long as the blocks do not have all rows.
+// row that leaves the blocks. In the first steps, no row leaves, and all codes of `gone` must be kFilterCap.
+// `columns` contains the sum of each column; the caller must keep these sums from row to row. `textured` is
+// the mask of the middle row of the blocks: 1 where the sum over the block is at least `min_sum`. The mask is
+// not written within half a block of the borders. Until the blocks have all rows, `textured` must be null.
 struct TextureRow {
   const std::uint8_t *in, *gone;
   int width, block, min_sum;

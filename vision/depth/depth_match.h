@@ -40,7 +40,8 @@ class StereoMatcher {
   std::vector<std::uint8_t> textured_, fixed_, wanted_;
   std::vector<std::int16_t> cost_;  // by pixel: cost of the disparity that was found
 
-  // Replaces disparities near the plane by the disparities of blocks that are slanted like the plane.
+  // Repeats the matching with blocks that are slanted like the plane. Only pixels near the plane and pixels
+  // without a disparity are matched. Good matches replace the disparities of these pixels.
   void slant(const DisparityPlane& plane, const MatchOptions& options,
              std::vector<float>& disparity);
 };

@@ -11,8 +11,8 @@
 namespace kaz::vision {
 
 // Winner of each column: the disparity d of minimum cost C(d), and the costs C(d), C(d - 1) and C(d + 1).
-// `in_doubt` is the number of disparities, including d, with costs up to the uniqueness threshold doubt().
-// The entries of a column are only valid if a winner was wanted for the column.
+// `in_doubt` is the number of disparities whose costs do not exceed doubt(). This number includes d itself.
+// If no winner was wanted for a column, the entries of the column are undefined.
 struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
@@ -24,15 +24,18 @@ struct BlockRow {
   const std::uint8_t *left, *right;            // entering rows; right: mirrored
   const std::uint8_t *left_gone, *right_gone;  // leaving rows; all 0 if no row leaves yet
   std::int16_t* columns;  // per column and disparity: sum over the rows of the block
-  std::int16_t* window;   // per disparity: sum over the block; INT16_MAX at both ends
+  // For each disparity: sum over the block. The elements before the first and after the last disparity are
+  // INT16_MAX.
+  std::int16_t* window;
   std::int16_t* windows;  // copy of `window` for each column; only used with 16 disparities
-  // If vectors are used, disparity d is at place[d] in `columns` and `window`.
+  // The vector code stores the disparities in another order: disparity d has the index place[d] in `columns`
+  // and `window`.
   const std::int16_t* place;
-  // For each column of the mirrored right picture: the best winner d of the left picture that matches this
-  // column, stored as C(d) << 16 | d. If costs are equal, the smallest d is best. All bits are 1 if no winner
-  // has matched the column yet.
+  // Several columns of the left picture may match the same column of the mirrored right picture. For each
+  // column of the right picture, `claims` contains the best match as C(d) << 16 | d. If costs are equal, the
+  // smallest d is best. If there is no match yet, all bits are 1.
   std::uint32_t* claims;
-  int doubt_share;             // uniqueness margin in 65536ths
+  int doubt_share;             // uniqueness margin in units of 1/65536 of the minimum cost
   bool full;                   // true: the block has all rows, so winners are found
   RowWinners winners;          // winners of the middle row
   const std::uint8_t* wanted;  // by pixel of the middle row: 0 if no winner is needed
@@ -46,8 +49,9 @@ inline int doubt(int min_cost, int share) {
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
 }
 
-// Stores the winner d of the left picture's column u at the matched pixel of the right picture, unless a
-// better winner is stored there. The code is branch-free, because a branch would be unpredictable.
+// With disparity d, column u of the left picture matches a column of the right picture. Stores this match for
+// the column of the right picture, unless a better match is already stored. The code is branch-free, because
+// a branch would be unpredictable.
 [[gnu::always_inline]] inline void claim(const BlockRow& r, int u, int d, int min_cost) {
   std::uint32_t& other = r.claims[r.width - 1 - u + d];
   other =
@@ -63,8 +67,8 @@ struct MatchedRow {
 };
 
 // Computes the subpixel disparity (px) of the winner d of column u, and returns whether the match is good.
-// SAD costs rise linearly on both sides of the minimum. With p = C(d - 1) and q = C(d + 1) the disparity is
-// therefore d + (p - q) / (2 (max(p, q) - C(d))). A match is good if all of these hold:
+// SAD costs rise linearly on both sides of the minimum. The minimum is therefore at the disparity d + (p - q)
+// / (2 (max(p, q) - C(d))), with p = C(d - 1) and q = C(d + 1). A match is good if all of these hold:
 // - A match is wanted at column u, and d is not at an end of the range.
 // - No disparity except d - 1 and d + 1 is in doubt.
 // - The winner of the matched pixel of the right picture is within `left_right_px` of d.
@@ -102,8 +106,8 @@ bool near_row(const DisparityPlane& plane, int v, const float* disparity,
               const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
 
 // Evaluates the matches of blocks that are slanted like the plane. A good match on the plane replaces
-// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2. To
-// undo the warp, the plane's disparity at the warped pixel is added to the residual disparity.
+// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2. The
+// disparity of a match, minus kAround / 2, is therefore added to the plane's disparity at the matched column.
 void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
                       std::int16_t* cost, bool vectors);
 

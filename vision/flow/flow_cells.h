@@ -15,8 +15,8 @@ constexpr int kFlowSmall = 4;
 // Side of a patch, in pixels of the reduced picture; must be odd. The patches of the inverse search have 8 x
 // 8 pixels.
 constexpr int kFlowPatch = 7;
-// Variance (codes^2) of the difference between two reduced pictures if the noise of the full pictures has a
-// standard deviation of 2 codes.
+// Variance (codes^2) that noise causes in the difference between two reduced pictures. The noise of the full
+// pictures is assumed to have a standard deviation of 2 codes.
 constexpr float kFlowNoise2 = 0.5F;
 
 // Products of quantities at each pixel of the reduced picture, and the sums of these products over patches.
@@ -52,7 +52,7 @@ class FlowProducts {
   bool vectors_;
   int width_ = 0, height_ = 0;
   std::size_t pitch_ = 0, plane_ = 0;  // number of floats per row, and per product
-  // All products. Each has a border of zeros; the border is half a patch wide.
+  // All products. The values of each product are surrounded by a border of zeros, half a patch wide.
   std::vector<float> memory_;
   std::vector<float> columns_, sums_;  // column sums and patch sums of one row
 };

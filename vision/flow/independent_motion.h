@@ -12,14 +12,15 @@
 //    predicted flow then depends mainly on the rotation.
 //
 // An interval of inverse depths maps to a line segment of predicted flows. The residual is the vector from
-// the nearest point of this line segment to the measured flow. A cell is a candidate if the residual exceeds
-// the error bounds of flow and pose, and if the flow's covariance makes this residual improbable. The
-// covariance of the flow is large along an edge. Flow is smooth and bleeds over object borders, so each
-// candidate cell is verified on the images. A candidate cell is static if the predicted flow of a static
-// point matches the two images better than the measured flow does. All other candidate cells are moving.
-// Connected moving cells form a region if, in some of these cells, ego-motion does not match the images at
-// all. The flow of the region is then estimated again as one translation of all pixels of the region.
-// Limitation: where the depth is unknown, motion along the epipolar line is not detected.
+// the nearest point of this line segment to the measured flow. A cell is a candidate if the residual passes
+// two tests. The residual must exceed the error bounds of flow and pose. In addition, the residual must be
+// improbable for the covariance of the flow. The covariance of the flow is large along an edge. Flow is
+// smooth and bleeds over object borders, so each candidate cell is verified on the images. A candidate cell
+// is static if the predicted flow of a static point matches the two images better than the measured flow
+// does. All other candidate cells are moving. Connected moving cells form a region only if enough of these
+// cells are proven. A cell is proven if ego-motion alone clearly cannot explain the two images. The flow of
+// the region is then estimated again as one translation of all pixels of the region. Limitation: where the
+// depth is unknown, motion along the epipolar line is not detected.
 //
 // Frames: pixels of the earlier image; optical and foot frames as in frame.h. The supporting foot must be the
 // same at both exposures, and must not move between the exposures. Units: px, m, s.
@@ -44,8 +45,8 @@ namespace kaz::vision {
 struct IndependentMotionOptions {
   double flow_error_px = 1.0;  // error bound of the flow
   // Minimum depth of the robot's own shoulders. A region may be a shoulder if the region reaches the lowest
-  // tenth of the image and has no stereo depth. The region is dropped if the region's flow also fits a static
-  // object at a depth of at least nearest_body_m.
+  // tenth of the image and has no stereo depth. Such a region is dropped if a static object at a depth of at
+  // least nearest_body_m would cause the same flow.
   double nearest_body_m = 0.05;
   // Standard deviations of the ego-motion that is computed from the postures, and maximum accepted
   // corrections of this ego-motion. The errors come from noise and quantization of the potentiometers,
@@ -64,8 +65,8 @@ struct IndependentMotionOptions {
   double nearest_elsewhere_m = 0.5;
 };
 
-// A moving region. Where the surroundings of an object lack texture, the region may exceed the object by up
-// to half a patch of the flow (14 px).
+// A moving region. If the background next to the object has no texture, the region may extend up to 14 px
+// beyond the object. This distance is half a patch of the flow.
 struct MovingRegion {
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, px, inclusive
@@ -138,18 +139,20 @@ class IndependentMotionDetector {
   IndependentMotionOptions options_;
   FlowSamples samples_;
   FlowResiduals residuals_;
-  std::vector<Eigen::Vector2i> places_;  // positions, in the depth image, of the samples of a row
+  // For one row of cells: position of each sample in the depth image.
+  std::vector<Eigen::Vector2i> places_;
   std::vector<std::uint8_t> inside_;
   std::vector<float> disparity_;   // disparities at places_, px
   std::vector<int> columns_;       // centers of the cells of a row, px
   std::vector<std::size_t> cell_;  // index of each sample's cell
-  std::vector<int> sample_;        // by cell: number of the cell's sample, from 1; 0: no sample
+  std::vector<int> sample_;  // for each cell: index of its sample in samples_, plus 1; 0: no sample
   // Corrected transform from the earlier to the later optical frame.
   Eigen::Isometry3d later_;
   std::vector<float> inverse_depth_;  // by cell: inverse depth from stereo, 1/m; 0: unknown
   Mask candidates_;                   // cells that are candidates
   std::vector<float> grey_[2];        // gray codes of both pictures
-  std::vector<std::uint8_t> proven_;  // by cell: 1 if ego-motion does not match the images at all
+  // For each cell: 1 if ego-motion alone clearly cannot explain the images.
+  std::vector<std::uint8_t> proven_;
   std::vector<Eigen::Vector2i> corners_;
   RegionFinder finder_;
 };

@@ -41,9 +41,9 @@ class RegionFinder {
   int root(int run);
 
   std::vector<Run> runs_;
-  std::vector<int> parent_;     // parent run of each run, for union-find
+  std::vector<int> parent_;     // for each run: index of the parent run (union-find)
   std::vector<int> row_start_;  // index of the first run of each row; last entry: number of runs
-  // By root run: first the area of the region, later the region number.
+  // For the root run of each region: at first the area of the region, later the number of the region.
   std::vector<int> area_;
   std::vector<Region> regions_;
 };

@@ -26,13 +26,15 @@ class Frame {
   // Returns true for the first frame, for the first frame after a gap in the sequence, and if the camera's
   // clock stepped back. A module that compares successive frames must start again if after_gap() is true.
   bool after_gap() const { return after_gap_; }
-  // The rectified pictures. Call images() only in Module::look(), or in a subscriber that receives a value.
+  // The rectified pictures. Modules may call images() in look(). Subscribers may call images() if they
+  // receive a value, not an error.
   const StereoImages& images() const { return *images_; }
   std::shared_ptr<const StereoImages> shared_images() const { return images_; }
 
   // Returns the result of `module` for this frame. Module::look() may read the results of the modules in
-  // needs(). A subscriber may read the result of the module to which it subscribed, and the results that the
-  // subscribed module needs. Throws std::logic_error if the result does not exist or is not a T.
+  // needs(). A subscriber may read the result of the module to which it subscribed. A subscriber may also
+  // read the results that this module needs. Throws std::logic_error if the result does not exist or is not a
+  // T.
   template <class T>
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
@@ -75,9 +77,9 @@ class Module {
   virtual std::string name() const = 0;
   // Names of the modules whose results look() reads.
   virtual std::vector<std::string> needs() const { return {}; }
-  // Declared latency: in lockstep, the simulated time from the last needed result to the delivery of this
-  // module's result. For a module that needs no results, the latency counts from the arrival of the pair. The
-  // real computing time has no effect.
+  // Declared latency, only used in lockstep: the simulated time from the module's inputs to the delivery of
+  // the module's result. The latency counts from the delivery of the last needed result. For a module that
+  // needs no results, the latency counts from the arrival of the pair. The real computing time has no effect.
   virtual Time latency() const = 0;
   // Processes one frame. The pipeline calls look() on the module's own thread for one frame at a time, in
   // order of arrival. The type of the result must be copyable and the same for all frames. If look() returns

@@ -2,18 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Block matching shifts the edge between a near and a far surface by up to half a block. At the lower edge of
-// a box on the floor, depth has only a bend, which is detected some pixels too high. Pixels within `reach_px`
-// of the border of the floor's segments are therefore undecided. A marker-controlled watershed labels the
-// undecided pixels. Floor and non-floor grow into the undecided band from both sides, first where the color
-// gradient is small. Floor and non-floor meet where the gradient is largest. Sources: F. Meyer, "Color image
-// segmentation", IPA 1992; cv::watershed. A hole in the floor that is less than 2 reach_px wide is labeled as
-// floor, unless depth shows an object in the hole. The pixels of an object in a hole become a marker if their
-// height above the floor exceeds the depth error. The pixels must also be farther than 3/4 reach_px from the
-// pixels of the floor.
+// a box on the floor, depth has only a bend, which is detected some pixels too high. The border of the
+// floor's segments is therefore inaccurate, and pixels within `reach_px` of the border are undecided. A
+// marker-controlled watershed labels the undecided pixels. Floor and non-floor grow into the undecided band
+// from both sides, first where the color gradient is small. Floor and non-floor meet where the gradient is
+// largest. Sources: F. Meyer, "Color image segmentation", IPA 1992; cv::watershed. A hole in the floor that
+// is less than 2 reach_px wide is labeled as floor, unless depth shows an object in the hole. The pixels of
+// an object in a hole become a marker if their height above the floor exceeds the depth error. Object pixels
+// within 3/4 reach_px of the floor's pixels do not become a marker.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
 // the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image are labeled as floor.
-// This limit includes half a block, by which block matching widens objects.
+// In the depth image, objects are wider than in the picture, because block matching widens objects by half a
+// block.
 #pragma once
 
 #include <memory>
@@ -40,7 +41,7 @@ class FloorEdges {
   FloorEdges& operator=(FloorEdges&&) noexcept;
 
   // Refines `planes.label`, not the segments. Pixels that become floor get the label of the largest floor
-  // segment. `left` is the rectified picture and `depth` the depth image in which the planes were found.
+  // segment. `left` is the rectified left picture. `depth` is the depth image in which the planes were found.
   // Without `depth`, objects less than 2 reach_px wide are labeled as floor. Does nothing if there is no
   // floor segment. Errors: the picture or depth image is truncated or has another size; options out of range.
   // An error leaves `planes` unchanged.

@@ -21,8 +21,8 @@ class PlanePixels {
   int planes() const { return static_cast<int>(planes_.size()); }
 
   // Labels each pixel with the plane that is nearest in disparity. Only the planes of the pixel's cell and of
-  // the adjacent cells are compared. Planes at a distance of more than `tolerance` (px) are ignored. Also
-  // computes the geometry of the segments.
+  // the adjacent cells are compared. A pixel gets no label if its disparity differs from the disparity of the
+  // nearest plane by `tolerance` (px) or more. Also computes the geometry of the segments.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
@@ -54,7 +54,7 @@ class PlanePixels {
   std::vector<std::vector<int>> cells_;  // cells of each segment
   // Per cell: bit set of the planes in this cell and in adjacent cells.
   std::vector<std::uint16_t> mask_;
-  // Per plane and cell: segment + 1; 0: no segment.
+  // For each plane and cell: number of the segment, counted from 1; 0: no segment.
   std::vector<std::vector<std::uint8_t>> segment_at_;
   std::vector<Sums> sums_;
   std::vector<float> square_;  // per pixel column of a run of cells

@@ -45,9 +45,9 @@ class PlaneVotes {
   struct Peak {
     int votes, vote;
   };
-  std::vector<std::uint16_t> bins_;  // all 0 except the bins of votes_
+  std::vector<std::uint16_t> bins_;  // number of votes in each bin
   std::vector<Vote> votes_;
-  std::vector<int> first_;  // index of the first vote of each bin that has votes, increasing
+  std::vector<int> first_;  // for each bin with votes: index of the bin's first vote in votes_
   std::vector<Peak> peaks_;
   std::vector<DisparityPlane> best_;
 };

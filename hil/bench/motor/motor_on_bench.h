@@ -62,8 +62,8 @@ class MotorOnBench {
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
   // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. If `within_rad` is above 0, the drive
-  // also ends when the shaft is closer than `within_rad` to the limit in the direction of the drive. After
-  // the drive, the motor is off, and sampling continues for `after_s`.
+  // ends early when the distance from the shaft to the joint limit ahead is less than `within_rad`. After the
+  // drive, the motor is off, and sampling continues for `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
@@ -80,8 +80,9 @@ class MotorOnBench {
   Sine follow(double middle_rad, double amplitude_rad, double hertz, double length_s);
 
  private:
-  // Returns the value of `result`. If `result` is an error, throws Failed if the board still answers, for
-  // example after a refusal, and Lost if the board does not answer.
+  // Returns the value of `result`, or throws an exception if `result` is an error. If the board still answers
+  // (for example after a refusal), the exception is Failed. If the board no longer answers, the exception is
+  // Lost.
   template <class T>
   T or_throw(Result<T> result) {
     if (result) return sure(std::move(result));
@@ -94,9 +95,9 @@ class MotorOnBench {
   template <class Enough>
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
-  // Collects samples until `until` on the host's clock, or until `enough` returns true. A busy machine reads
-  // frames late. If the samples end well before `until_s` (board time, seconds after begin_tick), waits up to
-  // 100 ms longer.
+  // Collects samples until `until` on the host's clock, or until `enough` returns true. `until_s` is the end
+  // in board time, in seconds after begin_tick. If the last samples before this end are missing, waits for
+  // them up to 100 ms longer, because a busy machine reads frames late.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

@@ -27,7 +27,8 @@ class Stand {
   virtual Result<void> clamp(int joint, bool on) = 0;
   // Announces that the motor will press against the scale, in the joint's positive or negative direction.
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
-  // Returns the torque with which the motor pressed at the end of the drive that followed prepare_press().
+  // Returns the torque on the scale at the end of the last drive. Precondition: prepare_press() was called
+  // before this drive.
   virtual Result<double> scale_nm(int joint) = 0;
   // Loads the shaft gently with this torque, for example with a weight; torque 0 removes the load.
   virtual Result<void> press(int joint, double torque_nm) = 0;
@@ -95,7 +96,7 @@ class ManualStand final : public Stand {
   Result<double> turn(int joint, double angle_rad) override;
   Result<void> let_go(int joint) override;
   Result<void> put_back(double supply_volts) override { return set_supply(supply_volts); }
-  // Must be shorter than 1 s, because the board detects a stall after 1 s.
+  // A press must be shorter than 1 s, because the board detects a stall after 1 s.
   double pressing_s() const override { return 0.7; }
   double settling_s() const override { return 0.1; }
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A rubber sole yields elastically before it slips. Friction without memory accumulates the errors of all
-// steps, so that even a standing robot drifts. In this model, a contact point has a tangential spring and
-// damper with the same softness as in the normal direction. The point slips if the spring force exceeds mu
-// times the normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The solver has one row for each
-// of the two tangents t:
+// steps, so that even a standing robot drifts. In this model, each contact point has a spring and a damper
+// along the surface. Their softness is the same as the softness along the normal. The point slips if the
+// spring force exceeds mu times the normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The
+// solver has one row for each of the two tangents t:
 //
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
 //
@@ -56,7 +56,7 @@ class ContactMemory {
     std::uint32_t shape_a = 0, shape_b = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d shear = Eigen::Vector3d::Zero();
-    // Maximum shear per N of normal force, divided by kErpStep. The unit is m / (N s).
+    // The maximum shear of the point is limit * kErpStep * normal force. The unit of `limit` is m / (N s).
     double limit = 0;
   };
   std::vector<Point> points_, before_;

@@ -79,8 +79,8 @@ class ContactModel {
   std::vector<Part> robot_, objects_, fixed_;
   std::vector<int> robot_link_;  // for each element of robot_, the number of its link
   std::vector<std::pair<std::size_t, std::size_t>> selves_;
-  // exempt_[a * robot_links_ + b] is 1 if the links a and b do not collide. Reason: the shapes of links that
-  // are close in the tree may overlap at the joints.
+  // exempt_[a * robot_links_ + b] is 1 if the links a and b do not collide. These links are close to each
+  // other in the tree, so their shapes can overlap at the joints.
   std::vector<char> exempt_;
   std::size_t robot_links_;
 };

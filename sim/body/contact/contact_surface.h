@@ -29,7 +29,7 @@ constexpr double softness_for(double step_s, double erp, double softness) {
   return softness / (erp * (step_s / kErpStep) + (1 - erp));
 }
 
-// Depth of penetration (m) that is not corrected, so that resting bodies keep their contacts.
+// The solver does not correct a penetration up to this depth (m). Therefore resting bodies stay in contact.
 constexpr double kContactLayer = 2e-4;
 // Maximum velocity (m/s) at which the solver separates penetrating bodies.
 constexpr double kContactMaxCorrection = 0.2;

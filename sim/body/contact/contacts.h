@@ -4,8 +4,9 @@
 // Broad phase: each link or object has one bounding sphere. A pair of two spheres, or of a sphere and a
 // plane, is skipped if the distance is too large for a contact. No tree or grid is needed, because a scene
 // has few shapes. The pairs of robot links that can collide are listed in advance. The narrow phase uses
-// ODE's colliders. Two boxes are passed to ODE only if no face normal of either box is a separating axis
-// (Gottschalk et al., SIGGRAPH 1996). Pairs of fixed or sleeping bodies are skipped.
+// ODE's colliders. For two boxes, this class first tests whether a face normal of either box is a separating
+// axis (Gottschalk et al., SIGGRAPH 1996). If so, the boxes do not touch, and ODE is not called. Pairs of
+// fixed or sleeping bodies are skipped.
 //
 // A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
 // change results. Therefore each thread has one Contacts object for all its worlds, and the object stays in
@@ -57,8 +58,8 @@ class Contacts {
     Eigen::Vector3d com = Eigen::Vector3d::Zero();
     bool awake = false;
   };
-  // World pose of a moving geom, computed on demand. `at` is valid if at_round equals round_, `axes` is valid
-  // if axes_round equals round_.
+  // World pose of a moving geom, computed on demand. `at` is up to date if at_round equals round_. `axes` is
+  // up to date if axes_round equals round_.
   struct Pose {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -75,8 +76,8 @@ class Contacts {
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
-  // Number of the face that separated the boxes a and b in the last step. The next step tries this face first
-  // (temporal coherence). A wrong hint only costs time.
+  // Number of the face normal that separated the boxes a and b in the last step: 0..2 for a, 3..5 for b. The
+  // next step tries this normal first (temporal coherence). A wrong hint only costs time.
   struct Hint {
     std::uint32_t a = 0, b = 0;
     int face = 0;

@@ -29,7 +29,8 @@ struct MotorParams {
   double air_celsius = 25;       // ambient temperature; also the temperature of the cold motor
 
   // Returns the torque constant K in Nm/A, assuming that `friction_nm` is the gear's only loss. K equals the
-  // back-EMF constant (V s/rad). With the winding's resistance R, stall_slope = K / R and back_emf = K^2 / R.
+  // back-EMF constant (V s/rad). K is computed from two equations that contain the winding's resistance R:
+  // stall_slope = K / R and back_emf = K^2 / R.
   double torque_constant() const { return back_emf_nms_per_rad / stall_slope_nm_per_v; }
   double resistance_ohm() const { return torque_constant() / stall_slope_nm_per_v; }
 

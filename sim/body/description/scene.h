@@ -38,8 +38,8 @@ struct Visual {
 struct Light {
   // Direction from the scene to the lamp; any length, z > 0.
   Eigen::Vector3d to_key{0.55, -0.50, 1.0};
-  double key = 1,
-         shaded = 1;  // factors on the brightness of the key light and the ambient light
+  // `key` multiplies the brightness of the key light, `shaded` the brightness of the ambient light.
+  double key = 1, shaded = 1;
 };
 
 // The part of a scene that is constant while the world runs.

@@ -1,4 +1,4 @@
-// A gear motor on a hinge, as one implicit row of the constraint solver.
+// A gear motor that drives a hinge. In each step, the motor is one row of the constraint solver.
 // SPDX-License-Identifier: Apache-2.0
 //
 // All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. Between
@@ -7,22 +7,23 @@
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
-// with the drive torque A = stall_slope V duty (Nm) and B = back_emf (Nm s/rad, 0 while the bridge is open).
-// J is the rotor's inertia, h the step size in s, and T the torque on the joint.
+// A is the drive torque, stall_slope V duty (Nm). B is back_emf (Nm s/rad), or 0 while the bridge is open. J
+// is the rotor's inertia, h the step size in s, and T the torque on the joint.
 //
-// At the end of a step the flanks do not overlap. Let d >= 0 be the gap to the flank that pushes forward and
-// w_new the joint's speed after the step. Then the inequalities u_new - w_new <= d/h and T >= 0 are
-// complementary: at least one of the two inequalities holds with equality. In the solver, this condition is
-// the row
+// At the end of a step the flanks do not overlap. For the flank that pushes forward, d >= 0 is the gap
+// between rotor and flank, and w_new is the joint's speed after the step. Two inequalities hold: T >= 0 and
+// u_new - w_new <= d/h. A flank transmits torque only if its gap is closed, so at least one of the two
+// inequalities holds with equality. In the solver, this condition is the row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
 // The row for the other flank is the mirror image of this row. In the solution, the flank is either free or
-// engaged. So a flank never pulls, and flanks meet within the step without bouncing. The row is implicit in
-// back-EMF and rotor inertia, because explicit torques would be unstable on the light links of the robot.
-// Each step has only one row, for the flank that would be closer to the rotor after the step. If the joint
-// passes the other flank, the rotor's angle is set to the position of that flank. This correction changes an
-// angle but no speed, and therefore adds no energy.
+// engaged. So a flank never pulls, and flanks meet within the step without bouncing. The row contains the
+// torques of back-EMF and rotor inertia at the end of the step (implicit integration). Torques at the
+// beginning of the step would make the robot's light links unstable. Each step has a row for one flank only,
+// namely the flank that would be nearer to the rotor after a step without contact. If the joint passes the
+// other flank, the rotor's angle is set to the position of that flank. This correction changes an angle but
+// no speed, and therefore adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
@@ -50,11 +51,12 @@ class JointMotor {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
     double max = 0;       // Nm
-    // Nm. Either min = -max, or one of the two limits is 0 and the other limit is practically infinite.
+    // Nm. In the row of a flank, one of `min` and `max` is 0, and the other is so large that it never limits
+    // the torque. For a gear without backlash, a slipping gear or a jammed gear, min = -max.
     double min = 0;
   };
-  // Returns the torque (Nm) that the motor applies in the coming step if a rigid obstacle holds the joint at
-  // rest. `row` is the result of prepare().
+  // Returns the torque (Nm) with which the motor would press on a rigid obstacle in the coming step. The
+  // obstacle holds the joint at rest. `row` is the result of prepare().
   double pressing(const Row& row) const;
 
   // Computes the row for the coming step from the present angle (rad) and velocity (rad/s) of the joint. The
@@ -82,7 +84,8 @@ class JointMotor {
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
-    bool stopped = true;  // true if the rotor just stopped and the holding angle is not set yet
+    // True: the rotor has stopped. The next prepare() sets the angle at which the rotor is held.
+    bool stopped = true;
     double rotor_angle = 0, rotor_speed = 0;
     double torque = 0, torque_before = 0;  // torques on the joint in the last two steps, Nm
     // Torque on the joint at the time when the rotor stopped, Nm.

@@ -14,9 +14,9 @@ struct LockedLever {
   // the start.
   double seconds = 0.05;
   // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason:
-  // while a motor heats up, its torque falls. If the motor presses on the lever without a pause, static
-  // friction holds the rotor at the earlier, higher torque. After the restart, the measured torque is the
-  // torque that the motor can really apply.
+  // while a motor heats up, its torque falls. Without the pause, static friction would hold the rotor, and
+  // the lever would still measure the earlier, higher torque. The pause releases the rotor. After the pause,
+  // the lever measures the torque that the warm motor can apply.
   bool anew = false;
 };
 

@@ -24,8 +24,8 @@ class WindingHeat {
       : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
   // Applies the heat of the copper (`copper_watts`) and of gear and brushes (`friction_watts`) during step_s.
-  // Explicit Euler is sufficient, because the step size is 1e-5 of the shortest time constant. If the motor
-  // file has no heat parameters, the motor stays cold.
+  // Explicit Euler is accurate enough, because the shortest time constant is about 100,000 steps long. If the
+  // motor file has no heat parameters, the motor stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
     if (params_->winding_heat_capacity == 0) return;
     const double to_case = (winding_ - case_) / params_->winding_to_case;

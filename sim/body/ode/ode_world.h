@@ -42,13 +42,14 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    // `feedback`: reactions of `motor`; `bearing`: reactions of `hinge`.
+    // Forces and moments that ODE reports: `feedback` for `motor`, and `bearing` for `hinge`.
     dJointFeedback feedback{}, bearing{};
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // joint axis in the child's frame
     dBodyID child = nullptr;
-    int link = 0, parent = -1;       // body numbers of the child link and of its parent link
-    double lower = 0, upper = 0;     // mechanical stops, rad
-    std::optional<double> pressing;  // motor torque against a stop in the current step, Nm
+    int link = 0, parent = -1;    // body numbers of the child link and of its parent link
+    double lower = 0, upper = 0;  // mechanical stops, rad
+    // Torque of a motor that presses against a stop, Nm; empty if the motor does not press.
+    std::optional<double> pressing;
   };
   struct Watched {
     Touch touch;
@@ -93,7 +94,8 @@ class OdeWorld final : public StagedWorld {
   std::vector<Eigen::Isometry3d> frames_before_;  // poses of the robot's links when the step began
   ContactMemory memory_;
   bool watch_ = false;
-  std::deque<Watched> watched_;  // a deque, because ODE keeps pointers to Watched::feedback
+  // ODE keeps pointers to Watched::feedback, so elements must not move. A deque does not move elements.
+  std::deque<Watched> watched_;
   double largest_gap_ = 0;
 };
 

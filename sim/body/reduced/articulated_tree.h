@@ -84,9 +84,8 @@ class ArticulatedTree {
       write_mass_row(i, composites[i], row(fixed(i).dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
-  // Computes the bias c(q, v) in N m and N by recursive Newton-Euler with zero acceleration. The bias
-  // consists of the generalized forces at which no coordinate accelerates under gravity. `c` must have dofs()
-  // entries.
+  // Computes the bias c(q, v) in N m and N by recursive Newton-Euler with zero acceleration. The bias c is
+  // the generalized force tau at which no coordinate accelerates. `c` must have dofs() entries.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
@@ -108,8 +107,8 @@ class ArticulatedTree {
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
-  // Computes out += J^T force for a force (N, or impulse in N s) at a point of a link. J is the Jacobian of
-  // the point. `force` and `point` are in the world frame.
+  // Adds the generalized force J^T force to `out`. `force` is a force in N, or an impulse in N s, that acts
+  // on a point of a link. J is the Jacobian of the point. `force` and `point` are in the world frame.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
   // Adds `sign` times the link's geometric Jacobian about P to `columns`. Each column has six numbers
@@ -150,7 +149,9 @@ class ArticulatedTree {
   struct Link {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
-    Spatial motion;  // motion subspace S: motion of the link if the link's joint turns at 1 rad/s
+    // Motion subspace S: spatial velocity of the link relative to the parent link if the joint turns at 1
+    // rad/s.
+    Spatial motion;
     Inertia inertia;
     Spatial twist;
   };

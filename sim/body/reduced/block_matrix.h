@@ -8,11 +8,11 @@
 // independently.
 //
 // Two matrices have this structure: the inertia matrix M, and the matrix H of a Newton iteration. H is M plus
-// the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. In this
-// order, one branch of the tree causes no fill-in in another branch (Featherstone, "Rigid Body Dynamics
-// Algorithms", 6.5: branch-induced sparsity). A chain that is attached to the root and has no contacts is
-// called calm. The factors of a calm chain and the chain's Schur complement in the root's block are reused
-// until the active set of the chain changes.
+// the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. With this
+// order, one branch of the tree adds no nonzero entries (fill-in) to the factors of another branch
+// (Featherstone, "Rigid Body Dynamics Algorithms", 6.5). A chain that is attached to the root and has no
+// contacts is called calm. For a calm chain, two results are reused until the chain's active set changes: the
+// factors, and the Schur complement in the root's block.
 //
 // The class allocates no memory once the maximum numbers of coordinates and blocks are reached. All sums have
 // a fixed order.
@@ -109,7 +109,8 @@ class BlockMatrix {
 
   int size_ = 0;
   std::vector<double> inertia_, matrix_, inverse_diagonal_;
-  std::vector<double> root_kept_;  // rows of the root after elimination of the calm blocks
+  // The root's rows of H after the calm blocks were eliminated. load() can start from these rows.
+  std::vector<double> root_kept_;
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()

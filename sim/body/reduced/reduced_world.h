@@ -5,11 +5,11 @@
 // docs/explanation/dynamics.md describes the formulation. A step of h seconds begins with coordinates q and
 // velocities v and consists of four parts:
 //   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
-//   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is computed at the
-//      midpoint velocity, which is extrapolated from the last step. With this choice, the velocity-dependent
-//      forces are accurate to second order.
-//   3. Set q += h v. For a robot in flight, the root's part of v is replaced by the root's midpoint velocity.
-//      For a free body in flight, v is replaced by the mean of the old and the new velocity.
+//   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is computed for the
+//      velocity in the middle of the step. This velocity is extrapolated from the last step. Therefore the
+//      velocity-dependent forces are accurate to second order.
+//   3. Set q += h v. If the robot is in flight, its root moves with the midpoint velocity of the root, not
+//      with v. A free body in flight moves with the mean of its old and new velocity.
 //   4. Set the robot's momentum to the old momentum plus the impulses of contacts and gravity, so that errors
 //      of the momentum do not accumulate. This correction changes the root's velocity by terms of order h^2.
 //

@@ -14,12 +14,12 @@
 // Friction uses a cone, not a pyramid. Each contact has a tangential spring in series with the friction. The
 // stretch of this spring is kept from step to step.
 //
-// If the radii mu l_n of the friction discs are fixed, the left side of the first equation is the gradient of
-// a function of v. This function is convex and piecewise smooth. In regions where no contact slips, this
-// function is quadratic. Newton's method with an exact line search converges in few iterations, even if many
-// points share a load. After each iteration the radii are updated from l_n. The result satisfies Coulomb's
-// law. Unlike in convex formulations, friction does not lift a sliding body. If the radii do not converge in
-// a dozen iterations, Newton's method continues with the radii as functions of v (coupled_newton.cpp). If
+// Suppose that the radii mu l_n of the friction discs are fixed. Then the left side of the first equation is
+// the gradient of a convex function of v. The convex function is piecewise smooth, and quadratic where no
+// contact slips. Newton's method with an exact line search converges in few iterations, even if many points
+// share a load. After each iteration the radii are updated from l_n. The result satisfies Coulomb's law.
+// Unlike in convex formulations, friction does not lift a sliding body. If the radii do not converge in a
+// dozen iterations, Newton's method continues with the radii as functions of v (coupled_newton.cpp). If
 // coupled_newton.cpp does not converge either, the solver increases the friction gradually
 // (friction_path.cpp).
 //
@@ -33,13 +33,13 @@
 // of the current iteration, not of the last step. The stretch of the tangential spring is kept, so that
 // sticking contacts do not creep.
 //
-// Limitations: even hard contacts have a tangential compliance `give`, which is kGive times the mobility of
-// the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by 7 micrometers. If two bodies
-// touch at several points, like a sole and the floor, these points share the friction force like parallel
-// springs. The shares are proportional to 1 / give, within the friction discs of the points. If friction and
-// normal force amplify each other without bound (a jamming wedge between almost massless bodies), the solver
-// may find no solution. The number of iterations is bounded, and residual() returns the velocity change in
-// the last iteration.
+// This solver has limitations. Even a hard contact yields along the surface: its tangential compliance `give`
+// is kGive times the mobility of the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by
+// 7 micrometers. If two bodies touch at several points, like a sole and the floor, these points share the
+// friction force like parallel springs. The share of a point is proportional to the point's 1 / give, but
+// stays within the point's friction disc. If friction and normal force amplify each other without bound (a
+// jamming wedge between almost massless bodies), the solver may find no solution. The number of iterations is
+// bounded, and residual() returns the velocity change in the last iteration.
 #pragma once
 
 #include <algorithm>
@@ -63,9 +63,8 @@ class VelocitySolver {
   // A range of coordinates on which a relative motion depends.
   struct Segment {
     int first = 0, length = 0;
-    // +1: the six coordinates are the relative motion. -1: the six coordinates are the negative of the
-    // relative motion. 0: the relative motion is the product of the Jacobian in columns() and the
-    // coordinates.
+    // Contribution of the segment to the relative motion. +1: the segment's six coordinates. -1: the negative
+    // of these six coordinates. 0: the product of the Jacobian in columns() and the coordinates.
     double plain = 0;
   };
   struct Point {
@@ -98,8 +97,8 @@ class VelocitySolver {
   // Adds the relative motion of two bodies and returns the index of the pair. At most three of the segments
   // may be non-empty. The segments must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
-  // Returns the Jacobian of the pair: six numbers for each coordinate of the segments whose `plain` is 0. All
-  // numbers are initially 0. The pointer is valid until the next add_pair().
+  // Returns the Jacobian of the pair. It has six numbers for each coordinate of a segment, but only for
+  // segments whose `plain` is 0. All numbers are initially 0. The pointer is valid until the next add_pair().
   double* columns(int pair) {
     return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
   }
@@ -140,13 +139,13 @@ class VelocitySolver {
   struct Contact {
     Point point;
     double hardness = 0;                   // 1 / softness
-    double firmness = 0, moment_firm = 0;  // 1 / give, for forces and for moments
+    double firmness = 0, moment_firm = 0;  // 1 / give: firmness for forces, moment_firm for moments
     double length_t = 0, length_r = 0;  // radii of the friction discs in this iteration, N s, N m s
     Impulse velocity, change, impulse;
     // Present active set (pattern_of()), and the active set for which H was factored.
     std::uint8_t pattern = 0, factored = 0;
   };
-  // End indices of an island's members in pair_list_, point_list_ and bounded_list_. The members of an island
+  // Indices in pair_list_, point_list_ and bounded_list_ at which the members of an island end. The members
   // begin where the members of the previous island end.
   struct Members {
     int pairs = 0, points = 0, bounded = 0;
@@ -212,8 +211,8 @@ class VelocitySolver {
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
-  std::vector<double> requested_before_,
-      gone_before_;  // values of change_ before and after accelerate(), in the last iteration
+  // Values of change_ in the last iteration: requested_before_ before accelerate(), gone_before_ after it.
+  std::vector<double> requested_before_, gone_before_;
   std::vector<double> scratch_;
   // Working memory of solve_coupled(): H, the Jacobian of a pair, the product of Jacobian and stiffness, and
   // the index of each coordinate in H.
@@ -227,14 +226,16 @@ class VelocitySolver {
   // The island being solved.
   std::size_t island_ = 0;
   std::span<const int> its_pairs_, its_points_, its_bounded_;
-  // Contributions of the inertia to the slope along the search direction.
+  // At the step length x, the inertia contributes start_slope_ + x * curve_ to the slope along the search
+  // direction.
   double start_slope_ = 0, curve_ = 0;
-  // Element i is 1 if bounded row i was active at the last factorization. calm_yields_ describes the last
-  // factorization of the calm blocks of calm_island_. factored_yields_ describes the last factorization of H.
+  // Element i is 1 if the impulse of bounded row i was between `min` and `max` at a factorization. For
+  // calm_yields_, this is the last factorization of the calm blocks of calm_island_. For factored_yields_, it
+  // is the last factorization of H.
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  double relaxation_ = 1;  // factor by which updates of the friction radii are multiplied
+  double relaxation_ = 1;  // fraction of each change of the friction radii that is applied
   int steps_ = 0;
   double residual_ = 0;
 };

@@ -18,11 +18,11 @@
 
 namespace kaz::sim {
 
-// Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h), and compliance of
-// the stop in rad/s per Nm. With these values, a stop yields by 1 mrad under the motor's maximum torque of
-// 2.4 Nm, like a stop of plastic on steel. If stops were rigid, the residual of an iterative solver would
-// make the joint bounce.
+// Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h).
 constexpr double kStopErp = 0.2;
+// Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With this value and kStopErp, a stop yields by
+// 1 mrad under the motor's maximum torque of 2.4 Nm. A stop of plastic on steel yields as much. A joint would
+// bounce at a rigid stop, because an iterative solver leaves a residual.
 constexpr double kStopSoftness = 0.08;
 
 class StagedWorld : public World {

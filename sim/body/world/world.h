@@ -56,7 +56,7 @@ struct SolverDiagnostics {
   // Largest residual of a step: remaining velocity change, m/s or rad/s.
   double max_residual = 0;
   double first_s = 0, last_s = 0;  // times of the first and last unconverged step
-  double drift = 0;                // sum over steps of residual times step size, m or rad
+  double drift = 0;                // sum of residual * step size over unconverged steps, m or rad
   // A drift up to this value (m or rad) is negligible. The value is far below the resolution of the
   // potentiometers.
   static constexpr double kNegligibleDrift = 1e-4;

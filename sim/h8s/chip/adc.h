@@ -22,15 +22,17 @@ class Adc {
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
-  // Must be called after the DTC has read a result, if the DTC remains active. Clears ADF.
+  // Clears the flag ADF. Must be called after a DTC activation that has read a result, unless the activation
+  // passes the interrupt to the CPU.
   void taken_by_dtc(Machine& m, States at) {
     adf_.drop(0x80);
     update(m, at);
   }
 
   States next_event() const { return next_; }
-  // Returns the end of the conversion that raises the next interrupt request, or kNever if no request can be
-  // raised. A conversion that raises no request does not affect other modules of the chip.
+  // Returns the time of the next interrupt request, which is the end of a conversion. Returns kNever if the
+  // converter cannot raise a request. A conversion that raises no request does not affect other modules of
+  // the chip.
   States next_request() const {
     if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
     if (end_ == kNever || !scan()) return end_;
@@ -44,7 +46,8 @@ class Adc {
   bool may_wait() const { return scan(); }
   // Processes all events up to the time `to`, or until `ended` is set. Sets `at` to the time of each event.
   void run_events(Machine& m, States to, States& at, const bool& ended);
-  // Starts a conversion if ADCR.TRGS selects `source`: 2 is the 8-bit timer, 3 the ADTRG pin.
+  // Starts a conversion if the field TRGS of the register ADCR equals `source`. `source` is 2 for the 8-bit
+  // timer and 3 for the ADTRG pin.
   void trigger(Machine& m, unsigned source, States at);
 
   // Serializes the complete state (shared/base/archive.hpp).
@@ -77,7 +80,7 @@ class Adc {
   unsigned channel_ = 0;
   bool sampled_ = false;
   std::uint16_t held_ = 0;
-  States next_ = kNever;  // next event: the sampling or the end of the conversion
+  States next_ = kNever;  // time of the next event: sampling or end of a conversion
   States end_ = kNever;   // end of the conversion
 };
 

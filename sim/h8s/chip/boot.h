@@ -27,8 +27,8 @@ class BootRom {
   States next_event() const { return wake_; }
   void advance(Machine& m, States to);
 
-  // Inputs of the bit rate measurement: a whole byte, or an edge at RxD. A byte whose bit_states is 0 is
-  // ignored.
+  // Both functions pass a received signal to the measurement of the bit rate. The signal is a whole byte for
+  // heard(), and an edge at RxD for edge(). A byte whose bit_states is 0 is ignored.
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
 
@@ -54,7 +54,7 @@ class BootRom {
     halted,  // sends H'FF and stops
   };
   friend constexpr Step last_value(Step) { return Step::halted; }
-  bool is_possible() const;  // checks the ranges of restored members
+  bool is_possible() const;  // returns whether all restored members are in their ranges
   void measured(Machine& m, States low, States at);
   void poll(Machine& m, States at);
   void take(Machine& m, std::uint8_t byte, States at);

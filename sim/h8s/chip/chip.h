@@ -59,8 +59,8 @@ struct OutputChange {
   enum class Unit { port, pwm, timer, serial };
   Unit unit = Unit::port;
   // Unit::port: port number 1..6, or 0 for all ports. Unit::pwm: channel 0..15, or -1 for all channels.
-  // Unit::timer: 0 (TMO0) or 1 (TMO1). Unit::serial: channel 0 or 1; a frame begins at TxD of the channel, or
-  // clock pulses begin at SCK of the channel.
+  // Unit::timer: 0 (TMO0) or 1 (TMO1). Unit::serial: channel 0 or 1. A serial output changes when a frame
+  // begins at TxD or clock pulses begin at SCK.
   int index = 0;
   States at = 0;
 };
@@ -72,9 +72,10 @@ struct ReceivedByte {
   bool framing_error = false;
   bool parity_error = false;
   bool multiprocessor = false;  // value of the multiprocessor bit, if SMR.MP enables that bit
-  // Bit time of the sender, states. 0: the sender has the bit time of the channel. If the two bit times
-  // differ, a channel with 10-bit frames samples the sender's waveform at the channel's bit times
-  // (line_rate.h). The boot ROM's bit rate measurement ignores a byte whose bit_states is 0.
+  // Bit time of the sender, states. 0: the sender has the bit time of the channel. If the bit times of sender
+  // and channel differ, the channel samples the sender's waveform at the channel's bit times (line_rate.h).
+  // Only channels with 10-bit frames do this. The boot ROM's bit rate measurement ignores a byte whose
+  // bit_states is 0.
   States bit_states = 0;
   template <class A>
   void transfer(A& a) {
@@ -158,9 +159,9 @@ class Chip {
   // neither callbacks nor hooks. When restore() is called, the chip keeps its own callbacks and hooks.
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
-  // Write and read the complete state as bytes, for files. The bytes can only be read by the build that wrote
-  // the bytes, and only into a chip with the same options. If the reader reports an error, the chip is
-  // powered on with undefined flash contents.
+  // Write and read the complete state as bytes, for files. Only the same build can read the bytes, and only
+  // into a chip with the same options. If the reader reports an error, the chip is powered on with undefined
+  // flash contents.
   void write_state(StateWriter& to) const;
   void read_state(StateReader& from);
 
@@ -204,8 +205,8 @@ class Chip {
   // Returns how many of the executed instructions ran as translated host code. The number is for measurements
   // and is not part of save().
   std::int64_t translated_instructions() const;
-  // Returns the engine in use. The result is Options::engine, except that the interpreter replaces the
-  // translator in normal mode and in builds without the translator.
+  // Returns the engine in use. Usually this is Options::engine. In normal mode and in builds without the
+  // translator, the chip uses the interpreter instead of the translator.
   Engine engine() const;
   bool asleep() const;
   ResetCause reset_cause() const;
@@ -278,21 +279,22 @@ class Chip {
   PinState state(Pin pin) const;
   bool level(Pin pin) const { return state(pin).level; }
   // Calls `listener` at each change of the pin's level, for inputs and outputs, with the exact time of the
-  // edge. Calls are in order of time, including edges between two instructions and edges during sleep. With
-  // `drivers`, changes of the pin's driver or pull-up also cause a call. Returns an id for unwatch().
+  // edge. Calls are in order of time, including edges between two instructions and edges during sleep. If
+  // `drivers` is true, a change of the pin's driver or pull-up also causes a call. Returns an id for
+  // unwatch().
   //
   // A listener may read pins and drive inputs. The driven inputs change at the time of the edge. A listener
   // must not run, reset, restore or move the chip. At a reset, the pins change at the instruction boundary
   // before the reset. Clones are not watched, and changes by restore() are not reported.
   //
-  // Stale flags: translated code computes flags only where the program reads the flags, or where execution
-  // may leave the translated block. If the call is caused by a MOV or bit instruction with a fixed I/O
-  // address, five flags in registers().ccr (H, N, Z, V and C) can be those of any earlier instruction. ER0 to
-  // ER7, I, UI, now() and PC (the address of the instruction that causes the call) are valid. All flags are
-  // valid between instructions (call_at, code hooks) and while an observer is attached. With the engines
-  // `reference` and `interpreter` all flags are valid in every call, because a store instruction has set the
-  // flags before the call. The count from instructions() may exclude the instructions since the last event.
-  // These limits also apply in the callbacks of on_output, on_transmit and set_analog.
+  // A listener can read stale (outdated) flags. Reason: translated code does not compute the flags after
+  // every instruction. The call can come from a MOV or bit instruction with a fixed I/O address. In this
+  // case, the flags H, N, Z, V and C in registers().ccr can be those of any earlier instruction. The other
+  // values are valid: ER0 to ER7, I, UI, now() and PC (the address of the instruction that causes the call).
+  // All flags are valid between instructions (call_at, code hooks) and while an observer is attached. The
+  // engines `reference` and `interpreter` update the flags before each call, so all flags are valid. During a
+  // call, instructions() can return a count that lacks the instructions since the last event. These limits
+  // also apply in the callbacks of on_output, on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
   // Calls the function `call` once, at the time `at` and between two instructions. The argument of the call
@@ -321,10 +323,10 @@ class Chip {
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
   // `steady` promises that `source` has no side effects. `steady` also promises that the voltages depend only
-  // on channel, time, outputs other than serial outputs, and values that are constant during a run. In
-  // scan mode with `steady`, the chip can call `source` later than the time of the sample. The latest time of
-  // the call is the next change of one of these outputs or the end of the run, whichever is earlier. The chip
-  // skips samples whose results the program does not read.
+  // on channel, time, the chip's non-serial outputs, and values that are constant during a run. In scan mode
+  // with `steady`, the chip can call `source` later than the time of the sample. The late call still comes
+  // before one of these outputs changes and before the run ends. The chip skips samples whose results the
+  // program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

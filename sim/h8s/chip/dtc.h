@@ -46,11 +46,11 @@ class Dtc {
 
   std::array<std::uint8_t, 5> dtcer_{};
   std::uint8_t dtvecr_ = 0;
-  bool swdte_seen_ = false;  // SWDTE was read as 1
+  bool swdte_seen_ = false;  // true: the program has read SWDTE as 1
   bool ended_ = false;       // a software activation is complete and requests its interrupt
   States software_at_ = 0;
-  // Registers that the current activation has accessed. These accesses determine whether the flag of a serial
-  // channel or of the converter is cleared.
+  // Data registers that the current activation has accessed. The DTC clears the flag of a serial channel or
+  // of the converter only after an access to a data register of this module.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

@@ -24,7 +24,7 @@ class Frt {
   States next_event(States epoch) const;
   // Must be called after the DTC has served the request of `vector`.
   void taken_by_dtc(Machine& m, unsigned vector, States at);
-  // Computes count, flags and requests up to `to`.
+  // Advances count, flags and interrupt requests to the time `to`.
   void advance(Machine& m, States to);
 
   // Edges at the input capture pins FTIA..FTID (`n` 0..3) and at the clock input FTCI.
@@ -64,12 +64,13 @@ class Frt {
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
-  bool use_af_ = false;  // if OCRAMS is set: the next match adds OCRAF (true) or OCRAR (false)
+  // Used while OCRAMS is set. True: the next match A adds OCRAF to OCRA. False: the next match A adds OCRAR.
+  bool use_af_ = false;
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};
   std::uint16_t ocrar_ = 0xffff, ocraf_ = 0xffff, ocrdm_ = 0;
-  // If ICRDMS is set: true from a capture by FTID until FRC reaches ICRD + 2 OCRDM. FTID causes no other
-  // capture while `masked_` is true.
+  // Used while ICRDMS is set. A capture by FTID makes `masked_` true. When FRC reaches ICRD + 2 * OCRDM,
+  // `masked_` becomes false. FTID causes no other capture while `masked_` is true.
   bool masked_ = false;
   std::uint16_t mask_end_ = 0;
   std::array<bool, 2> level_{};

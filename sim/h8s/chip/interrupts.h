@@ -47,8 +47,9 @@ class Interrupts {
   // Returns the requests to the CPU: two words with one bit for each vector.
   const std::uint64_t* pending() const { return pending_.data(); }
 
-  // Returns whether the CPU has a request that is not masked by bit I of `control`. With `two_level` the
-  // result is true for any request, because choose() checks the mask bits I and UI.
+  // Returns whether the CPU has a request that is not masked by bit I of `control`. With `two_level`, this
+  // function ignores the mask bits and returns true for any request. In this case, choose() checks the mask
+  // bits I and UI.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
     return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;

@@ -14,8 +14,9 @@ struct HeardByte {
 
 // The format is 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge
 // of the start bit. After the frame the line is idle (high). `sent_bit` and `own_bit` are the bit times of
-// sender and receiver in the same unit. Both bit times must be above 0. A real receiver may take a later edge
-// of a slow sender as another start bit; such start bits are not modeled.
+// sender and receiver in the same unit. Both bit times must be above 0. If the sender is slow, a real
+// receiver can mistake a later edge of the frame for another start bit. This function does not model such
+// start bits.
 constexpr HeardByte heard_at(std::uint8_t value, std::int64_t sent_bit, std::int64_t own_bit) {
   HeardByte heard;
   const unsigned frame = 0x200u | static_cast<unsigned>(value) << 1;  // start, data, stop

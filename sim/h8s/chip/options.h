@@ -18,8 +18,9 @@ struct Options {
   // Levels of MD1 and MD0 at reset. 2 is single-chip advanced mode (24-bit addresses), 3 single-chip normal
   // mode (16-bit addresses). The value 0 selects boot mode if P42, P41 and P40 are high.
   int mode = 2;
-  // Decision time of an interrupt. The CPU accepts the interrupt at the first instruction boundary that is
-  // more than this time after the request (hardware manual, interrupt response times).
+  // Decision time of an interrupt (hardware manual, interrupt response times). The CPU accepts interrupts at
+  // instruction boundaries. At a boundary, the CPU accepts a request only if the request is older than the
+  // decision time.
   int interrupt_decision_states = 3;
   // Duration of the exception sequence, without the stacking, the vector read and the first instruction
   // fetch.
@@ -34,17 +35,18 @@ struct Options {
   bool wide_timer_bus = true;
   // DTC: decision time from the request to the activation, defined like interrupt_decision_states.
   int dtc_decision_states = 3;
-  // DTC: number of accesses to the register information in each transfer, and number of internal states in
-  // each activation. The vector read (1 access) and the data accesses are not included. In the manuals of
-  // other chip families, J is 6 accesses and M is 3 internal states.
+  // DTC: number of accesses to the register information in each transfer. The vector read and the data
+  // accesses are not included. The default is the value of J in the manuals of other chip families.
   int dtc_register_accesses = 6;
+  // DTC: number of internal states in each activation. The default is the value of M in the manuals of other
+  // chip families.
   int dtc_internal_states = 3;
-  // A/D: start delay tD of the first conversion. adc_start_delay_slow applies to CKS = 0 (10..17 states),
-  // adc_start_delay_fast to CKS = 1 (6..9 states).
+  // A/D: start delay tD of the first conversion while bit CKS is 0 (10 to 17 states).
   int adc_start_delay_slow = 17;
+  // A/D: start delay tD of the first conversion while bit CKS is 1 (6 to 9 states).
   int adc_start_delay_fast = 9;
-  // SCI: true if an enabled transmitter first outputs the mark level for the duration of one frame, and then
-  // sends the first character.
+  // SCI: true if the transmitter sends a preamble after the program has enabled the transmitter. The preamble
+  // is the mark level for the duration of one frame. The first character follows the preamble.
   bool sci_preamble = true;
   // SCI: true if a frame waits for the next edge of the free-running bit clock, false if a frame begins
   // immediately. While SCK outputs the clock, a frame always waits, because data change at the falling edge
@@ -63,8 +65,8 @@ struct Options {
   std::uint64_t flash_seed = 1;
   // 8-bit PWM: position of a pulse in its slot of 16 counts. True: at the end. False: at the beginning.
   bool pwm_right_aligned = true;
-  // 14-bit PWM: true if the data is the low time of the pin when bit OS is 0, and the high time when bit OS
-  // is 1. False: the data has the opposite meaning.
+  // 14-bit PWM: meaning of the data while bit OS is 0. True: low time of the pin. False: high time of the
+  // pin. While bit OS is 1, the meaning is reversed.
   bool pwmx_data_is_low = true;
   // Value read from a write-only, stopped or unmapped register.
   std::uint8_t undefined_read = 0xff;
@@ -76,9 +78,10 @@ struct Options {
   int subclock_states = 0;
   // Low byte of the word that STC writes to memory. True: a copy of the register. False: 0.
   bool stc_copies = false;
-  // Value that MOV Rs,@-ERd stores if Rs is a part of ERd (for example PUSH.W R7 and PUSH.L ER7). True: the
-  // register after the decrement. False: the register before the decrement. The option does not affect MOV
-  // @ERs+,Rd. If Rd is a part of ERs, the CPU first increments ERs and then writes the loaded value to Rd.
+  // MOV Rs,@-ERd decrements ERd and stores Rs. If Rs is a part of ERd, as in PUSH.L ER7, the option selects
+  // the stored value. True: the value after the decrement. False: the value before the decrement. The option
+  // does not affect MOV @ERs+,Rd. If Rd is a part of ERs, the CPU first increments ERs and then writes the
+  // loaded value to Rd.
   bool predecrement_stores_decremented = true;
   // Boot mode: number of the serial channel, SCI0 (P50, P51) or SCI1 (P25, P26).
   int boot_channel = 0;

@@ -16,8 +16,8 @@ class Pwm {
   // Register accesses: FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Writes the register if the write changes no waveform. Otherwise returns false, and write() must be
-  // called.
+  // Writes the register and returns true, but only if the write changes no waveform. If the result is false,
+  // the caller must call write().
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
     if (address == 0xffd7) return data_[select_ & 15] == value;
     if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
@@ -61,8 +61,8 @@ class Pwm {
   unsigned base_count_ = 0;
 };
 
-// Returns the level of the pulse while PWDR is `data`. `count` (0..255) is the position in the conversion
-// period. The result does not include the inversion by OS.
+// Returns whether `count` (0..255, within the conversion period) is inside a pulse. `data` is the value of
+// PWDR. The result does not include the inversion by bit OS.
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned);
 
 }  // namespace kaz::h8s

@@ -24,8 +24,8 @@ enum class Bank : std::uint8_t {
   ocrs_1,
   icrs_0,  // TOCR.ICRS
   icrs_1,
-  regs_0,  // STCR.IICE is 1; bit REGS of DADRB and DACNT is 0 (regs_0) or 1 (regs_1)
-  regs_1,
+  regs_0,  // STCR.IICE is 1, and bit REGS (in DADRB and DACNT) is 0
+  regs_1,  // STCR.IICE is 1, and bit REGS (in DADRB and DACNT) is 1
 };
 
 struct RegisterInfo {

@@ -50,7 +50,7 @@ class Sci {
   }
   void write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at);
   std::uint8_t peek(unsigned offset) const;
-  // Resets the channel. Received bytes that are already on the line still arrive.
+  // Resets the channel, but keeps the bytes of incoming(): these bytes arrive after the reset.
   void reset(Machine& m, unsigned n, States at);
 
   States next_event() const {
@@ -87,7 +87,8 @@ class Sci {
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
-  // Must be called after the DTC has read RDR or written TDR, if the DTC remains active.
+  // taken_by_dtc() must be called after the DTC has read RDR, filled_by_dtc() after the DTC has written TDR.
+  // Neither function is called if the DTC passes the interrupt on to the CPU.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
@@ -166,7 +167,9 @@ class Sci {
   int sample_ticks_ = 0;    // number of external clock pulses to the next sample
   ReceivedByte arrived_;    // byte that the channel has sampled but not yet delivered
   States arrives_ = kNever;
-  States burst_ = kNever;  // clocked mode, reception only: start of the eight clock pulses
+  // Start of the eight clock pulses for a byte that is received in clocked mode without transmission; kNever:
+  // no such pulses.
+  States burst_ = kNever;
 
   static StickyFlags empty() {
     StickyFlags f;

@@ -39,9 +39,9 @@ struct Timer8 {
   void matched(bool a, bool b);
   // Returns the period: the number of counts between two clears or overflows.
   std::int64_t turn() const;
-  // Skips whole periods before the tick `target`. At least one period remains; this period sets the same
-  // flags as the skipped periods. If matches toggle the output, the output repeats after two periods,
-  // otherwise after one period.
+  // Skips whole periods, but leaves at least one period before the tick `target`. The remaining period sets
+  // the same flags as the skipped periods. If matches toggle the output, the function skips an even number of
+  // periods, so that the output level stays correct.
   void skip_turns(States target);
   // Returns whether the timer counts this edge at the clock pin. The clock selection is 5 for rising edges, 6
   // for falling edges and 7 for both.

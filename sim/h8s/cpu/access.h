@@ -14,8 +14,8 @@
 
 namespace kaz::h8s {
 
-// The slow path handles these accesses: short RAM, I/O, writes to flash, reads of flash during programming,
-// unmapped addresses, and words at odd addresses.
+// The slow path handles all accesses to short RAM, I/O registers, unmapped addresses, and words at odd
+// addresses. It also handles writes to flash, and reads of flash during programming.
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
@@ -58,8 +58,8 @@ inline void put_big32(std::uint8_t* p, std::uint32_t value) {
   put_big16(p + 2, value);
 }
 
-// Returns the offset into Cpu::ram of an address in either RAM window; nullopt for other addresses and while
-// RAM is off.
+// Returns the offset of `address` in Cpu::ram if the address is in one of the two RAM windows. Returns
+// nullopt for other addresses, and for all addresses while RAM is off.
 inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t address) {
   const std::uint32_t offset = (address & c.mask) - c.ram_at;
   if (c.ram_size == 0) return std::nullopt;

@@ -13,11 +13,11 @@ struct Cpu;
 // address.
 class Bus {
  public:
-  // Accesses outside the fast path: the short RAM window, I/O registers, unmapped addresses, writes to flash,
-  // and reads of flash that is programmed, erased or verified. While the chip is observed, every access is
-  // outside the fast path. Addresses must be masked to the address width of the CPU mode, and must be even
-  // for words. These functions add wait states to Cpu::stall and raise Fault::unmapped at an unmapped
-  // address.
+  // The CPU calls these functions for accesses to the short RAM window, I/O registers and unmapped addresses.
+  // It also calls them for writes to flash, and for reads of flash while flash is programmed, erased or
+  // verified. While the chip is observed, the CPU calls these functions for every access. Addresses must be
+  // masked to the address width of the CPU mode, and must be even for words. These functions add wait states
+  // to Cpu::stall and raise Fault::unmapped at an unmapped address.
   virtual std::uint8_t load8(std::uint32_t address) = 0;
   virtual std::uint16_t load16(std::uint32_t address) = 0;
   virtual void store8(std::uint32_t address, std::uint8_t value) = 0;
@@ -36,8 +36,8 @@ class Bus {
 
   // Returns whether `pc` has a code hook that must be called before the instruction at `pc` runs.
   virtual bool hook_due(std::uint32_t pc) const = 0;
-  // Returns whether `pc` has a code hook, even if the hook has already been called for the current execution
-  // of the instruction.
+  // Returns whether `pc` has a code hook. Unlike hook_due(), this function ignores whether the hook has
+  // already been called.
   virtual bool has_hook(std::uint32_t pc) const = 0;
 
   // Runs until now >= stop and notifies observers of each instruction. Used while Cpu::observed is set.

@@ -20,8 +20,8 @@ using Handler = const Insn* (*)(Cpu&, const Insn*);
 // instruction is decoded. Without a jump the next instruction is `this + units`.
 struct Insn {
   Handler run;
-  // Immediate, absolute address or displacement. In near branches: distance from this instruction to the
-  // target, in units of 16 bits.
+  // Immediate operand, absolute address or displacement. For a near branch, `imm` is the distance from this
+  // instruction to the target, in 16-bit units.
   std::uint32_t imm;
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
   std::uint8_t states;  // duration with on-chip memory; I/O accesses add to Cpu::stall
@@ -67,13 +67,13 @@ struct Jump {
 inline constexpr std::uint32_t kTrail = 32;
 
 // Condition codes, evaluated lazily: each member is the value from which a flag is computed. ccr() packs the
-// flags into a byte. Operands of 8 and 16 bits are shifted to the top of 32 bits, so that the same bit
-// positions serve all three operand sizes.
+// flags into a byte. Operands of 8 and 16 bits are shifted to the top of 32 bits. Therefore each flag has the
+// same bit position for all three operand sizes.
 struct Flags {
   std::uint32_t n = 0;  // N is bit 31
   std::uint32_t z = 1;  // Z is set if `z` is 0
   std::uint32_t v = 0;  // V is bit 31
-  std::uint32_t h = 0;  // H is bit 28: the carry out of bit 3, 11 or 27
+  std::uint32_t h = 0;  // H is bit 28 (flags.h)
   std::uint32_t c = 0;  // C is 0 or 1
   template <class A>
   void transfer(A& a) {
@@ -110,7 +110,8 @@ struct Cpu {
   bool observed = false;
   std::uint32_t ram_at = kBlock + kRam;  // address of RAM, independent of ram_base
   std::uint32_t ram_code = kRamCode;     // index of the first RAM entry in `code`
-  // Index of the first entry of short RAM in `code`. On the flat machine, an index past the end of `code`.
+  // Index of the first entry of short RAM in `code`. On the flat machine, which has no short RAM, the value
+  // is code_size.
   std::uint32_t short_ram_code = kShortRamCode;
   std::uint32_t code_size = kCodeSize;     // number of entries in `code`
   Bus* bus = nullptr;                      // null: there is RAM at every address (Flat)
@@ -139,7 +140,8 @@ struct Cpu {
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
   std::uint32_t fault_pc = 0;
-  Insn outside{};  // entry for an address without memory; `imm` is that address
+  // at_address() returns this entry for an address without memory; `imm` is the address.
+  Insn outside{};
 
   // Storage of has_code on the chip.
   std::array<std::uint8_t, 0x2000 / kLine> chip_lines{};
@@ -148,8 +150,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. The
-// difference between a time and -1 does not overflow.
+// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. With a very
+// low value, the difference `stop - now` would overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -222,7 +224,8 @@ void note_code_in_ram(Cpu& c);
 // Like decode_in_place(), but leaves branches in their general form. Used by the reference engine.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
-// Run one stretch: all instructions until now >= stop. run_stretch uses the engine of `c`.
+// Each of these functions runs instructions until now >= stop (one stretch). run_stretch() selects the engine
+// that `c` specifies.
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);

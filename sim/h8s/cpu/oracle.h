@@ -55,8 +55,8 @@ struct World {
   // Data accesses, which are recorded in `data`.
   u32 load(int bits, u32 address);
   void store(int bits, u32 address, u32 value);
-  // Stack and vector accesses. These accesses are not recorded, because columns K and J of the manual's table
-  // contain the number of such accesses.
+  // Stack and vector accesses, which are not recorded in `data`. Columns K and J of the manual's table
+  // contain the number of these accesses.
   u32 load_uncounted(int bits, u32 address);
   void push16(u32 value);
   u32 pop16();

@@ -15,16 +15,17 @@ struct Frame {
   std::uint32_t sp = 0;         // ER7 at entry to the function
   bool interrupt = false;
   States begin = 0;  // time of the call or of the exception entry
-  // For Profile: number of states before `begin` that the chip spent in completed interrupts or asleep.
+  // Used by the class Profile: number of states that the chip spent asleep or in completed interrupts before
+  // the time `begin`.
   States away = 0;
 };
 
-// Observer that tracks the call stack. A frame ends when a return instruction leaves ER7 above the `sp` of
-// the frame. After a tail jump or longjmp, one return instruction may therefore end several frames. A jump to
-// the first instruction of another function counts as a call by the function that jumps. TRAPA counts as a
-// call. An interrupt begins its own frame. The first frame belongs to the function that contains the first
-// observed instruction. If the depth would exceed 4,096, the second-outermost frame is dropped. `chip` must
-// outlive this object.
+// Observer that tracks the call stack. A return instruction ends all frames whose `sp` is below the new ER7.
+// After a tail jump or longjmp, one return instruction can therefore end several frames. A jump to the first
+// instruction of another function counts as a call by the function that jumps. TRAPA counts as a call. An
+// interrupt begins its own frame. The first frame belongs to the function that contains the first observed
+// instruction. If the depth would exceed 4,096, the second-outermost frame is dropped. `chip` must outlive
+// this object.
 class CallStack : public Observer {
  public:
   explicit CallStack(const Chip& chip) : chip_(chip) {}

@@ -33,14 +33,14 @@ class GdbPort {
 
   // Waits for a connection from GDB. Serves GDB until GDB kills the program, detaches or closes the
   // connection. Runs the chip in slices of `slice` states and checks for Ctrl-C between two slices. Also
-  // returns after the file descriptor `stop` has become readable (-1: no descriptor), even if GDB does not
-  // read the replies. Error: the connection fails.
+  // returns when the file descriptor `stop` becomes readable, even if GDB does not read the replies. If
+  // `stop` is -1, there is no such descriptor. Error: the connection fails.
   //
-  // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). After
-  // a rejected client, or a client that closes without sending a byte, the function waits for the next
-  // client. A new client replaces a current client that has sent nothing so far. A new client also replaces a
-  // current client that could still be a web browser, according to the bytes sent so far. If a client cannot
-  // be accepted, for example because no file descriptor is free, the function retries every 100 ms.
+  // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). The
+  // function waits for the next client if a client was rejected or has disconnected without sending a byte. A
+  // new client replaces the current client if the current client has not yet sent a complete packet. Until
+  // then, the current client could still be a web browser. If a client cannot be accepted, for example
+  // because no file descriptor is free, the function retries every 100 ms.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

@@ -21,15 +21,16 @@ namespace kaz::h8s {
 // - 11: exr.
 // - 12, tick: states since power-on, high 32 bits.
 // - 13, inst: instructions executed.
-// - 14 and 15, mach and macl: always 0. The CPU does not have these registers, but GDB would stop printing at
-//   a missing register.
+// - 14 and 15, mach and macl: always 0. The CPU does not have these registers. The packet contains them
+//   because GDB stops printing at the first missing register.
 //
 // Registers 0-9 and 11 are writable. Versions of GDB that do not read the architecture from target.xml need
 // `set architecture h8300s`.
 //
-// Memory reads have no side effects, not even at I/O registers. Writes go to RAM, and to flash without the
-// programming sequence. GDB can set at most 4,096 breakpoints and watchpoints. Reverse execution uses
-// History, which starts to record the chip when the server is constructed. `chip` must outlive this object.
+// Memory reads have no side effects, not even at I/O registers. Memory writes change RAM and flash. A write
+// to flash needs no programming sequence. GDB can set at most 4,096 breakpoints and watchpoints. Reverse
+// execution uses History, which starts to record the chip when the server is constructed. `chip` must outlive
+// this object.
 class GdbServer {
  public:
   explicit GdbServer(Chip& chip, HistoryOptions history = {});

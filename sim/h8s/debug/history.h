@@ -36,7 +36,8 @@ struct Halt {
   enum class Why {
     reached,     // the requested time was reached, or the step is complete
     breakpoint,  // a breakpoint was reached; the instruction there has not run
-    // A watchpoint was hit. Forward: halted after the access; backward: before the accessing instruction.
+    // A watchpoint was hit. A forward run halts after the access. A backward run halts before the instruction
+    // that makes the access.
     watch,
     begin,    // the start of the history was reached in a backward run
     stopped,  // the chip stopped for the reason in `stop`
@@ -57,10 +58,10 @@ struct HistoryOptions {
 };
 
 // Records a chip, starting when this object is constructed. The chip must outlive this object. Run the chip
-// only through this object, which takes snapshots during the run. Execution before end() is replayed from the
-// record, without a second call of the chip's listeners. An input (such as a poke or a pin level) at a time
-// before end() discards the record after that time. Load, power_on, restore, call and inputs from listeners
-// restart the history. Inputs from code hooks are recorded.
+// only through this object, which takes snapshots during the run. A run that begins before end() replays the
+// record up to end(). The replay does not call the chip's listeners again. If an input (such as a poke or a
+// pin level) occurs at a time before end(), the rest of the record is discarded. Load, power_on, restore,
+// call and inputs from listeners restart the history. Inputs from code hooks are recorded.
 class History final : public InputLog {
  public:
   explicit History(Chip& chip, HistoryOptions options = {});

@@ -18,8 +18,8 @@ class StackMeter final : public CallStack {
   explicit StackMeter(const Chip& chip) : CallStack(chip) {}
 
   std::uint32_t lowest() const { return lowest_; }
-  // Returns the number of bytes between the highest and the lowest observed ER7. For a program that sets its
-  // stack pointer once, the result is the stack usage.
+  // Returns the number of bytes between the highest and the lowest observed ER7. If the program sets its
+  // stack pointer only once, this difference is the stack usage.
   std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
   // Returns the call stack at the lowest ER7, outermost frame first, including interrupts.
   const std::vector<Frame>& chain() const { return chain_; }
@@ -43,9 +43,9 @@ struct UninitialisedRead {
   States at = 0;
 };
 
-// Reports reads of uninitialized RAM, once for each instruction. A byte is uninitialized from power-on, or
-// from the construction of this object, until the program or Chip::poke writes the byte. After Chip::restore
-// all bytes count as initialized.
+// Reports reads of uninitialized RAM, once for each instruction. At power-on and when this object is
+// constructed, all bytes count as uninitialized. A write by the program or by Chip::poke initializes a byte.
+// After Chip::restore all bytes count as initialized.
 class UninitialisedReads final : public Observer {
  public:
   explicit UninitialisedReads(const Chip& chip) : chip_(chip) {}

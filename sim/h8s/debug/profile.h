@@ -53,7 +53,8 @@ struct ProfileWindow {
 // in interrupts are included. States in which the CPU sleeps are not included.
 struct WorstWindow {
   std::int64_t windows = 0;
-  States median = 0, worst = 0, at = 0;  // durations of the windows; start time of the longest
+  // `median` and `worst` are durations of windows. `at` is the start time of the longest window.
+  States median = 0, worst = 0, at = 0;
   // Only `name`, `address` and `self` of each function are set.
   std::vector<FunctionProfile> functions;
 };

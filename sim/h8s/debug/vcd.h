@@ -30,8 +30,8 @@ std::int64_t picoseconds(States at, std::int64_t hertz);
 // each instruction boundary and written if the value has changed. If two registers share an address, only the
 // selected register is sampled. The other register keeps its last value, or 'x' before its first sample.
 //
-// The recorder never rewrites entries. After the chip is restored to an earlier state, recording resumes once
-// the time has passed the last entry.
+// The recorder never rewrites entries. If the chip is restored to an earlier state, the recorder adds no
+// entries until the chip has passed the time of the last entry.
 class VcdRecorder {
  public:
   // Starts a recording in a temporary file in the folder of `path`. close() ends the recording and renames

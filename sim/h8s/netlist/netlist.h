@@ -24,8 +24,8 @@ class Netlist;
 using Net = int;
 
 // Base class of parts. A part drives nets through outputs (Netlist::output), is notified of changes on nets
-// (Netlist::listen), and can schedule a call (Netlist::wake). The part's reactions to a notification take
-// effect in the same state.
+// (Netlist::listen), and can schedule a call (Netlist::wake). If a part changes an output during a
+// notification, the change takes effect at the time of the notification.
 class Part {
  public:
   virtual ~Part() = default;
@@ -35,8 +35,8 @@ class Part {
   virtual void changed(Netlist&, Net, States /*at*/) {}
   // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
-  // Returns the voltage of an output as a fraction of AVCC. Called for outputs whose voltage changes between
-  // edges: Netlist::drive with `moving`.
+  // Returns the voltage of an output as a fraction of AVCC. Called only for outputs that Netlist::drive has
+  // set to `moving`: the voltage of these outputs changes continuously.
   virtual double voltage(States /*at*/) const { return 0; }
   // State of the part, for Netlist::save and restore.
   virtual std::vector<double> save() const { return {}; }
@@ -60,8 +60,9 @@ class Netlist {
     double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
     double weak_high_ohms = 1'000;    // resistance of high NMOS push-pull outputs (P47, P52)
   };
-  // Watches all pins of the chip that are on nets. If another driver is on a pin's net, the netlist drives
-  // the pin. Becomes the analog source of the chip. `chip` must outlive this object and must not be moved.
+  // Watches all pins of the chip that are on nets. If anything other than the chip drives the net of a pin,
+  // the netlist sets the input level of the pin. Becomes the analog source of the chip. `chip` must outlive
+  // this object and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
@@ -121,8 +122,8 @@ class Netlist {
   // Schedules woken() for `at` and replaces an earlier schedule. To cancel the schedule, set `at` to the
   // maximum value of the type States.
   void wake(Part& part, States at);
-  // Must be called after the moving voltage of an output has crossed the threshold. Evaluates the output's
-  // net again.
+  // A part must call this function after a moving voltage has crossed 0.5, the threshold between low and
+  // high. The function evaluates the output's net again.
   void touch(int output);
 
  private:

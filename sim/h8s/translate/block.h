@@ -60,12 +60,12 @@ struct Step {
   unsigned sets = 0;         // flags that the step writes
   unsigned recoverable = 0;  // flags of `sets` that `definition` can recompute
   unsigned uses = 0;         // flags that the step reads from memory
-  unsigned keep = 0;         // flags of `sets` that must be in memory after the step
+  unsigned keep = 0;         // flags that the step sets and must store to memory
   bool exits = false;        // the block may be left before this step has any effect
   // The step accesses an I/O register; the block may be left after the step.
   bool io = false;
   Definition definition;
-  // For each flag: the last earlier step of the block that set the flag; -1: no earlier step set the flag.
+  // For each flag: index of the last step before this step that sets the flag; -1: there is no such step.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
@@ -105,9 +105,9 @@ Access access_of(const Step& s);
 // Returns the mask of flags that condition 0..15 of Bcc reads.
 unsigned flags_of_condition(unsigned condition);
 
-// Returns the earlier step whose `definition` recomputes all flags of the mask `wanted` at step `k`. The
-// registers of that definition must be unchanged at step `k`. Returns -1 if there is no step with these
-// properties.
+// Finds an earlier step whose `definition` can recompute all flags of the mask `wanted` at step `k`. No step
+// between the two steps may change the registers of this definition. Returns the index of the step, or -1 if
+// there is no such step.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
 // Memory region that an access of `size` bytes uses. The address of the access is known at translation time.
@@ -115,8 +115,8 @@ enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 
 // Returns the block that begins at index `start` of Cpu::code. The block has no steps if the first
-// instruction cannot be translated. `known(index)` returns whether the block must end before `index`, for
-// example because another block begins at `index`.
+// instruction cannot be translated. The block ends before an index for which `known(index)` is true, for
+// example because another block begins there.
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known);
 

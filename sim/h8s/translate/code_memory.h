@@ -1,10 +1,10 @@
 // Memory for host code. No page is writable and executable at the same time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// asmjit's JitRuntime maps its memory writable and executable. JitRuntime's dual mapping separates the
-// permissions, but keeps the writable mapping: an attacker who can write to any address can still inject
-// code. Here each page has one mapping, which mprotect makes read-only and executable before the code runs.
-// docs/explanation/emulator.md states the cost of mprotect.
+// asmjit's JitRuntime maps its memory writable and executable. With its dual mapping, JitRuntime maps the
+// memory twice: one mapping is executable, the other is writable. An attacker who can write to any address
+// can inject code through the writable mapping. Here each page has one mapping, which mprotect makes
+// read-only and executable before the code runs. docs/explanation/emulator.md states the cost of mprotect.
 #pragma once
 
 #include <cstddef>

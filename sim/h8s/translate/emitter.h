@@ -23,7 +23,7 @@ struct Entry {
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
 // Record for the near-end version of a block: host code that runs shortly before Cpu::stop. This version runs
-// if the time left until Cpu::stop does not exceed the block's bound (Block::bound).
+// if the number of states until Cpu::stop is at most Block::bound.
 struct NearEnd {
   // Host code that checks the time left after each instruction; null: no code.
   const void* code = nullptr;
@@ -36,7 +36,7 @@ namespace host = asmjit::x86;
 // Host registers in translated code. ER0 to ER3 are in registers whose second byte is addressable.
 // - rax rbx rcx rdx r8 r9 r10 r11: ER0..ER7, upper halves zero.
 // - rbp: Cpu.
-// - r12: states left until Cpu::stop, minus the bound of the current block.
+// - r12: number of states until Cpu::stop, minus Block::bound of the current block.
 // - r13: instructions executed since the code was entered.
 // - r14: guest RAM.
 // - rsi rdi r15: scratch within one instruction.
@@ -56,25 +56,25 @@ inline constexpr std::uint32_t kGoOn = 0, kInterpret = 1;
 // Host code shared by all blocks: entry, exits and calls of handlers (gate.cpp).
 struct Gate {
   const void* enter = nullptr;  // called as std::uint32_t(Cpu*, const void* entry)
-  // Exit from translated code. In: the index of the next instruction in edi, the return value in esi.
+  // Exit from translated code. Arguments: edi is the index of the next instruction, esi is the return value.
   const void* leave = nullptr;
-  // Subroutine that runs the handler of an instruction. In: rdi is the instruction's entry of Cpu::code; rsi
-  // is the number of states from the end of the instruction to the block's bound. Out: kLeft is valid for the
-  // next instruction, and the host's flags are the result of comparing kLeft with 0. If kLeft is not greater
-  // than 0, Cpu holds the complete state and the block must be left.
+  // Subroutine that runs the handler of an instruction. Arguments: rdi is the address of the instruction's
+  // entry in Cpu::code. rsi is Block::bound minus the states of all steps up to this instruction (inclusive).
+  // Results: kLeft is valid for the next instruction, and the host's flags are the result of comparing kLeft
+  // with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must be left.
   const void* interpret = nullptr;
-  // Subroutines that only access an I/O register. In: rdi and rsi as for `interpret`; r15 is the value to
-  // store. Out: edi is the loaded value; kLeft is reduced by wait states. Cpu does not hold the complete
-  // state.
+  // Subroutines that only access an I/O register. Arguments: rdi and rsi as for `interpret`, and r15, which
+  // is the value to store. Results: edi is the loaded value; kLeft is reduced by wait states. After the
+  // subroutine, Cpu does not hold the complete state.
   const void* load8 = nullptr;
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
   // Exit from translated code if Cpu already holds the complete state except kExecuted.
   const void* leave_complete = nullptr;
-  // Jump target for an instruction that continues elsewhere. In: rdi and rsi as for `interpret`. Runs the
-  // instruction's handler, then the block at the new address. Leaves the translated code if there is no block
-  // at the new address.
+  // Jump target for an instruction after which execution continues at another address, such as TRAPA.
+  // Arguments: rdi and rsi as for `interpret`. Runs the instruction's handler, then the block at the new
+  // address. Leaves the translated code if that block does not exist or no time is left.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -85,8 +85,8 @@ void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entrie
 // Runs the handler of `ip`, with the complete state in `c`. Returns the states left at the next instruction,
 // minus `rest`. A result of 0 or less means that the block must be left.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
-// Like run_handler, for an instruction that continues elsewhere. Returns the host code at the new address, or
-// null if the block must be left.
+// Like run_handler, for an instruction after which execution continues at another address. Returns the host
+// code at the new address, or null if the block must be left.
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a
@@ -97,7 +97,7 @@ class Emitter {
 
   void emit(const std::vector<Block>& blocks);
   // Emits the near-end version of a block. This version is the only block of its translation unit. At the
-  // entry of this version, kLeft is the time left, from which no bound has been subtracted.
+  // entry of this version, kLeft is the number of states until Cpu::stop: Block::bound is not subtracted.
   void emit_near_end(const Block& block);
   // Returns the offset of the entry through which code outside the unit enters block `n`.
   std::uint64_t entry_offset(const asmjit::CodeHolder& code, std::size_t n) const;
@@ -130,10 +130,10 @@ class Emitter {
   void emit_exception_return(std::size_t k);
   // Exits before step k if an interrupt request is pending or if no time is left after step k.
   void leave_for_interrupts(std::size_t k);
-  // r15 contains an address. Looks up the index of this address in Cpu::code and writes twice the index to
-  // r15. Exits before the step if the address has no index.
+  // Converts the address in r15 to twice the index of this address in Cpu::code. Exits before the step if the
+  // address has no index.
   void find_target(std::size_t k);
-  // Emits the jump from step k to a block. r15 is twice the index of this block in the table of entries.
+  // Emits the jump from step k to a block. r15 contains twice the index of this block in Cpu::code.
   void leave_through_table(std::size_t k);
   // Emits the jump to the block at index `target` of Cpu::code. The jump is taken when the first `steps`
   // steps of the current block have run.
@@ -179,9 +179,9 @@ class Emitter {
   Place address(const Step& s, Mode mode, unsigned reg, unsigned size, std::uint32_t bytes,
                 host::Mem& at);
   host::Mem ram_check(unsigned size, std::uint32_t bytes, const asmjit::Label& outside);
-  // Returns the host operand for an access of step k through a register, if a range check covers the access.
-  // If no earlier check covers the access, emits one check for this access and later accesses of the block.
-  // Returns nullopt if there is no such check.
+  // Returns the host operand for an access of step k through a register. If an earlier range check covers the
+  // access, emits no check. Otherwise emits one check for this access and later accesses of the block.
+  // Returns nullopt if no range check can cover the access.
   std::optional<host::Mem> proved(std::size_t k, unsigned size);
   bool check_together(std::size_t k);
   void move_proofs(const Step& s);
@@ -217,13 +217,13 @@ class Emitter {
   std::map<std::uint32_t, std::size_t> block_at_;
   std::vector<asmjit::Label> inside_;   // entries of the blocks, without the check of the time left
   std::vector<asmjit::Label> outside_;  // entries of the blocks for code outside the unit
-  std::vector<asmjit::Label> late_;     // code for blocks whose bound is at least the time left
+  std::vector<asmjit::Label> late_;     // for each block: code that emit_late() emits
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
   // Result of a range check that holds within a block: all addresses from register + `low` to register +
-  // `high` - 1 are in RAM. If a check for several accesses fails, execution continues in a second version of
-  // the block's code, which checks each access.
+  // `high` - 1 are in RAM. One check can cover several accesses. If this check fails, a second version of the
+  // block's code runs, which checks each access.
   struct Proof {
     std::int32_t low = 0, high = 0;
     bool even = false;  // the value of the register is even

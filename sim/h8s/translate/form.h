@@ -11,8 +11,8 @@ namespace kaz::h8s::translate {
 enum class Op : std::uint8_t {
   none,     // not translated: the block ends before this instruction
   handler,  // calls the interpreter's handler, which changes only registers and flags
-  // Calls the interpreter's handler with the complete CPU state: the handler may access the chip or end the
-  // stretch. If `detail` is 1, execution never continues with the next instruction of the block.
+  // Calls the interpreter's handler. The handler gets the complete CPU state, because it may access the chip
+  // or end the stretch. If `detail` is 1, execution never continues with the next instruction of the block.
   interpreted,
   nop,
   mov,

@@ -28,7 +28,7 @@ struct CameraFile {
   // Number of the camera pair in the production series. The number determines how this camera pair deviates
   // from the nominal camera model.
   std::uint64_t unit = 1;
-  // Distance between the eyes; Simulation replaces this value by the baseline of the URDF.
+  // Distance between the eyes. The class Simulation replaces this value by the distance in the URDF.
   double baseline_m = 0.040;
   double rate_hz = 30.0;
   // Time from the middle of the exposure until the pair arrives at the host.
@@ -92,9 +92,9 @@ class Eyes {
   // Returns the number of pairs dropped because of FramePolicy::drop.
   std::uint64_t left_out() const { return left_out_; }
 
-  // Removes and returns the digests of the pairs that were exposed at least two exposures ago. If `all` is
-  // true, removes and returns the digests of all pairs. Blocks until these pairs are rendered, so the number
-  // of digests depends only on simulated time.
+  // Removes and returns the digests of all pairs except the pairs of the two latest exposures. If `all` is
+  // true, removes and returns the digests of all pairs. The function waits until these pairs are rendered.
+  // Therefore the number of digests does not depend on the speed of rendering.
   std::vector<Digest> take_digests(bool all);
   // Waits until all pairs in progress are rendered. After this call, noise and jitter use the new seed.
   void reseed(std::uint64_t seed);
@@ -128,7 +128,8 @@ class Eyes {
                            vision::StereoImages& pair);
   static Result<Kept> kept_of(const vision::StereoImages& pair, Keep keep);
   Time exposure_time(std::uint64_t sequence) const;
-  Time arrival_time(Time exposure) const;  // only valid for the pair that is being exposed
+  // Returns the arrival time of the pair that is being exposed. `exposure` is the exposure time of this pair.
+  Time arrival_time(Time exposure) const;
   void expose(Time now, ScenePose pose);
 
   RenderThread& draws_;

@@ -23,7 +23,7 @@ struct McapRecording {
   // file are in memory, too.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
-  // Key in `facts`; the value is the name of the signal that interrupted the run.
+  // Key of the entry in `facts` that names the signal that interrupted the run.
   static constexpr const char* kInterrupted = "interrupted";
   // Limit of message times: one year, which is longer than any run. Times up to this
   // limit can be converted to crystal periods (time.h) without overflow.

@@ -70,12 +70,12 @@ class McapWriter {
     // Content of the channel record, written again in the summary.
     std::vector<std::uint8_t> record;
     std::uint32_t messages = 0;  // number of messages written so far
-    // Time of each message of this channel in the current chunk, and offset of the message in the chunk.
+    // One pair for each message of this channel in the current chunk: time and offset of the message.
     std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;
   };
   struct ChunkIndex {
     std::uint64_t first_ns = 0, last_ns = 0, start = 0, length = 0;
-    // Number of each channel in the chunk, and offset of the channel's message index.
+    // One pair for each channel in the chunk: channel number, and offset of the channel's message index.
     std::vector<std::pair<std::uint16_t, std::uint64_t>> message_indexes;
     std::uint64_t indexes_length = 0, size = 0;
   };
@@ -100,11 +100,11 @@ class McapWriter {
 
   std::string path_;  // empty: no file is written
   MessageTap* tap_ = nullptr;
-  std::vector<TappedSchema> tapped_;  // copies of the schemas for the tap; same indices as schemas_
+  std::vector<TappedSchema> tapped_;  // schemas for the tap, in the order of schemas_
   std::ofstream file_;
   int write_error_ = 0;    // errno of the first failed write
   std::uint64_t at_ = 0;   // bytes written
-  std::uint32_t crc_ = 0;  // CRC of the bytes that were written since crc_ was set to 0
+  std::uint32_t crc_ = 0;  // CRC of the written bytes of the current section (data or summary)
   evp_md_ctx_st* digest_ = nullptr;
   // Contents of the schema records. Schema number n is at index n - 1.
   std::vector<std::vector<std::uint8_t>> schemas_;

@@ -79,8 +79,8 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  // Name of the texture (Visual::texture). The name is written to the message field `text`. ROS uses this
-  // field only for text markers, and Marker::Type contains no text marker.
+  // Name of the texture (Visual::texture). The name is written to the message field `text`. This field is
+  // free for the name, because ROS uses the field only for text markers.
   std::string texture;
   bool removes_all = false;
 };
@@ -89,8 +89,8 @@ struct Marker {
 void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
              std::span<const Marker> markers);
 
-// Returns markers for the visuals of the scene. Meshes and the visuals of the frames in `without` are left
-// out.
+// Returns markers for the visuals of the scene. The result contains no meshes, and no visuals of the frames
+// in the list `without`.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
 
 // Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm long. An arrow has the direction of

@@ -8,10 +8,10 @@
 //
 // Protocol: a Unix stream socket with one client. About once per millisecond, the client sends the time of
 // its CLOCK_MONOTONIC in ns, as 8 bytes, little-endian. Only a message advances the followed clock. Between
-// messages, and while there is no client, the followed clock stands still. A second client waits until the
-// first client disconnects or has sent nothing for kMaxSilence; then the second client replaces the first.
-// The next message is read only after the world has reached the time of the previous message. Therefore a
-// client with a small socket buffer blocks until the world has reached the client's time.
+// messages, and while there is no client, the followed clock stands still. A second client must wait until
+// the first client disconnects or has been silent for kMaxSilence. Then the second client replaces the first
+// client. The next message is read only after the world has reached the time of the previous message.
+// Therefore a client with a small socket buffer blocks until the world has reached the client's time.
 #pragma once
 
 #include <array>
@@ -52,14 +52,15 @@ class FollowedClock {
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
   // Reads the next message. Waits at most `patience` for the message, measured by this machine's clock.
-  // Returns true if the message is the first message of a new client. The clock may jump when a new client
-  // connects. Returns the errors of ClockStream::feed().
+  // Returns true if the message is the first message of a new client. At this message, now() may jump to any
+  // time. Returns the errors of ClockStream::feed().
   Result<bool> poll(Time patience);
   // Returns the latest time, or zero before the first message.
   Time now() const { return now_; }
 
   // Maximum silence of a client, measured by this machine's clock. The clock of a virtual machine may stand
-  // still for longer than kMaxSilence. A silent client is only replaced if another client waits.
+  // still for longer than kMaxSilence. Therefore a silent client keeps the connection unless another client
+  // waits.
   static constexpr std::chrono::seconds kMaxSilence{1};
 
  private:

@@ -32,8 +32,8 @@ class HostWatch {
   void drivers(Time now, bool enabled, const std::string& why = "");
   // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
-  // Returns true if the host has been silent long enough for the link watchdog to expire, but held() was not
-  // called.
+  // Returns true if the host has been silent for at least shortest_watchdog, and held() has not been called
+  // during this silence. The link watchdog may then have expired.
   bool may_hold(Time now) const {
     return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
   }

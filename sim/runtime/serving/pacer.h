@@ -36,8 +36,8 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
-  // Returns the lost time, including the loss of the step in progress. The loss of the step in progress is
-  // large if the process was stopped and has just been continued.
+  // Returns the lost time, including the loss in the step in progress. That loss is large if the process was
+  // stopped during the step and has just been continued.
   Time lost_until(Time simulated, Time wall) const {
     const Time late = wall - wall_of(simulated);
     return late > tolerance_ ? lost_ + late : lost_;

@@ -19,8 +19,8 @@ namespace kaz::sim {
 class Pty {
  public:
   // Creates `link_path` as a symbolic link to the port. An existing link is replaced if the link's pty no
-  // longer exists. If `maker_is_dead` is true, a link to any pty is replaced, because a killed virtual board
-  // has left the link behind. Returns Fault::usage if any other link or file exists at the path. Returns
+  // longer exists. `maker_is_dead` states that a killed virtual board has left the link behind. A link to any
+  // pty is then replaced. Returns Fault::usage if any other link or file exists at the path. Returns
   // Fault::environment if no pty is available.
   static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
                                            bool maker_is_dead = false);

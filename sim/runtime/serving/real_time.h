@@ -30,7 +30,7 @@ struct RealTimeOptions {
   bool keep_hung = false;
   // Handles the command `stand ...` on the control socket, for a motor stand (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
-  // Receives each pair at the time of the pair's exposure, as long as `wants_pairs` returns true. The
+  // If `wants_pairs` returns true, `on_pair` receives each pair at the time of the pair's exposure. The
   // function also receives pairs while the socket at cameras_path has no readers. When the function receives
   // a pair, rendering of the pixels can still be in progress.
   std::function<void(const vision::StereoPair&)> on_pair;

@@ -22,7 +22,7 @@ class UnixListener {
 
   // Returns the next client without blocking. The returned descriptor is empty if no client waits or the
   // process has no free descriptor. If the process has no free descriptor, fd() returns -1 for the next 100
-  // ms. Without this pause, each poll() would return immediately, because a client is still waiting.
+  // ms. Without this pause, the waiting client would make each poll() return immediately.
   Descriptor accept();
   // Returns the descriptor for poll(). During a pause after a failed accept(), returns -1, which poll()
   // ignores.

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A fault is reported in the step that contains the start of the fault. The fault `power_reset` takes effect
-// in the step in which the fault is reported. Other faults take effect in each step that begins within the
-// duration of the fault. SerialLine applies faults of the serial line, byte by byte.
+// in the step in which the fault is reported. Every other fault takes effect in each step that begins between
+// the start and the end of the fault. SerialLine applies faults of the serial line, byte by byte.
 #pragma once
 
 #include <functional>
@@ -42,8 +42,8 @@ class FaultPlayer {
 
   faults::Schedule schedule_;
   std::vector<bool> begun_;  // whether each fault was reported; same indices as the schedule
-  bool touched_ = false;     // true: the board may have a fault that must be cleared
-  bool cut_ = false;         // true: a fault has switched the power off
+  bool touched_ = false;  // the previous step may have applied a fault, which this step must remove
+  bool cut_ = false;      // true: a fault has switched the power off
 };
 
 }  // namespace kaz::sim

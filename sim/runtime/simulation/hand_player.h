@@ -48,8 +48,8 @@ Result<HandAct> parse_hand(std::string_view line, Time now);
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  // Returns the lines of all actions that begin in the present step. The step begins at the time `start`.
-  // Called once in each step that is recorded or tapped.
+  // Returns the lines of all actions of the step that begins at the time `start`. Called once in each step,
+  // but only if the run is recorded or tapped.
   virtual std::vector<std::string> take(Time start) = 0;
   // Called for a line that had no effect.
   virtual void refused(const std::string& /*line*/, const Error& /*error*/) {}
@@ -82,7 +82,7 @@ class HandPlayer {
     std::string object;
     // Target position and last position of the object, m, world frame.
     std::array<double, 3> to{}, last{};
-    bool moved = false;  // true: `last` is the position one step ago
+    bool moved = false;  // true: `last` is the position at the previous call of pull()
     template <class A>
     void transfer(A& a) {
       a(object, to, last, moved);

@@ -33,8 +33,8 @@ class Recorder {
 
   enum class Direction { to_board, to_host };
   // Records bytes whose stop bit ended in the step that began at `step_start`. `line` is the number of the
-  // serial line; the first line has number 0. The topics of a further line contain the line number plus 1,
-  // such as /wire/2/to_board for line 1.
+  // serial line; the first line has number 0. Line 0 has the topics /wire/to_board and /wire/to_host. Line 1
+  // has the topics /wire/2/to_board and /wire/2/to_host, and so on.
   void wire(Direction direction, States step_start, std::span<const SerialByte> bytes,
             std::size_t line = 0);
   void pins(States at, const PinLevels& pins);
@@ -96,7 +96,7 @@ class Recorder {
   std::vector<Line> lines_;
   std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
       joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
-  // Channels that are added with their first message.
+  // Each of these channels is added to the file when the channel's first message is recorded.
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
   std::optional<std::array<std::uint16_t, 2>> camera_infos_;

@@ -25,14 +25,14 @@ class SerialLine {
     fault_to_board_ = faults::LinkFaults(seed, faults::Way::to_board);
     fault_to_host_ = faults::LinkFaults(seed, faults::Way::to_host);
   }
-  // Sets the faults of the line for bytes written or sent from now on; null: no faults. `schedule` must
-  // outlive the line.
+  // Sets the faults of the line. The faults affect only bytes that are written or sent after this call. If
+  // `schedule` is null, the line has no faults. `schedule` must outlive the line.
   void set_faults(const faults::Schedule* schedule) { schedule_ = schedule; }
   // Sets the host's bit time from now on. The board's bit time is part of each SerialByte from the board. If
   // the two bit times differ, the receiver samples the waveform at the receiver's own rate.
   void set_host_bit(States bit) { host_bit_ = bit; }
-  // Queues bytes that the host writes at `now`. The first byte starts at `now`, or at the end of the last
-  // byte in the queue if that is later.
+  // Queues bytes that the host writes at `now`. The first byte starts at `now`. If the line is still busy
+  // with earlier bytes, the first byte starts after these bytes.
   void write(std::span<const std::uint8_t> bytes, States now);
   // Like write(), but with a framing error in every byte.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);

@@ -67,8 +67,8 @@ struct SimulationOptions {
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;     // fault times count from the start of the simulation
   std::string recording_path;  // empty: no recording
-  // Observer of the messages of the recording, called even if no file is written. Must outlive the
-  // simulation.
+  // Observer that receives each message of the recording. Without a recording file, the observer receives the
+  // same messages. Must outlive the simulation.
   RecordingTap* tap = nullptr;
   // Source of manual actions, used in each step that is recorded or tapped. Must outlive the simulation.
   HandSource* hands = nullptr;
@@ -120,15 +120,15 @@ class Simulation {
   // The eyes are closed initially, and a simulation with closed eyes renders no picture pairs. Call
   // open_eyes() before reading picture pairs. If the robot has no eyes, open_eyes() has no effect.
   bool has_eyes() const { return world_->head_frame() >= 0 && options_.eyes != EyeKind::none; }
-  // The error that a request for a picture pair returns if the robot has no eyes.
+  // Returns the error for a picture pair that is requested from a robot without eyes.
   static Error no_eyes();
   void open_eyes();
   void close_eyes() { eyes_open_ = false; }
   const CameraFile& camera() const { return camera_; }
   // Removes and returns the oldest pair that has reached the host by now.
   std::optional<vision::StereoPair> next_pair();
-  // Like next_pair(), but without latency and jitter. This function is for publishers whose readers apply the
-  // latency.
+  // Like next_pair(), but without latency and jitter. Use this function to publish pairs to other processes
+  // that apply the latency themselves.
   std::optional<vision::StereoPair> next_exposed_pair();
   std::uint64_t pairs_dropped() const;
   // Renders the world at `pose` (from World::pose()) with an observer's camera. Blocks until the picture is
@@ -154,7 +154,8 @@ class Simulation {
   // SimulationOptions::recording_path instead. Fails if the file cannot be written or a recording is in
   // progress.
   Result<void> start_recording(const std::string& path);
-  // Returns whether a recording is in progress and a write has failed. step() has then failed, too.
+  // Returns true if a write to the recording in progress has failed. In this case, step() has also returned
+  // an error.
   bool recording_failed() const;
   // Finishes the recording and returns the SHA-256 of the file. Returns an empty string if there is no
   // recording or the recording has no file. `interrupted_by` is the name of the signal that ended the run
@@ -171,7 +172,7 @@ class Simulation {
   // lengths and ranges are checked. For invalid bytes, returns Fault::usage or the error of
   // Snapshot::unpack() and leaves this simulation unchanged.
   Result<void> restore(std::span<const std::uint8_t> blob);
-  // State from which many episodes of one process can begin.
+  // A saved state for use within one process. Many episodes can begin from the same state.
   struct Start {
     std::unique_ptr<const World> world;
     std::unique_ptr<const Mcu::Kept> chip;
@@ -180,10 +181,10 @@ class Simulation {
   // Like save(), but returns a state for begin() in the same process. Also fails if the world cannot be
   // cloned.
   Result<Start> keep();
-  // Continues from `start`, but with the random numbers and constant sensor errors of `seed`. The simulation
-  // that returned `start` must have the same options as this simulation, except seed and sensors. begin()
-  // takes microseconds; restore() takes milliseconds. Several simulations may begin from the same start
-  // concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
+  // Continues from the state `start`. The random numbers and the constant sensor errors are determined by
+  // `seed`. The simulation that returned `start` must have the same options as this simulation, except seed
+  // and sensors. begin() takes microseconds; restore() takes milliseconds. Several simulations may begin from
+  // the same start concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
   Result<void> begin(const Start& start, std::uint64_t seed);
   // Saves the state, runs `steps` steps without recording, and restores the state. If save() saves the
   // complete state, a detour has no visible effect. Tests use detours to check save().

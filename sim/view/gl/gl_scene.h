@@ -67,9 +67,11 @@ class GlScene {
   GLuint vertex_array_ = 0, empty_vertex_array_ = 0;
   std::vector<GLuint> textures_;
 
-  std::array<Surface, 6> surfaces_;  // plain and textured surfaces, for each kind of shadow
+  // A shader program for each combination of surface (plain or textured) and kind of shadow.
+  std::array<Surface, 6> surfaces_;
   GlProgram depth_, background_;
-  std::vector<ShadowMap> shadow_maps_;  // a map for the eyes, and a map for supersampled pictures
+  // Two maps: the first is used for pictures of the eyes, the second for supersampled pictures.
+  std::vector<ShadowMap> shadow_maps_;
 };
 
 }  // namespace kaz::sim

@@ -14,9 +14,9 @@
 //   light     = c^2 (b ambient + key_light key) + highlight max(n . (v + l) / |v + l|, 0)^32 key
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
-// Textured surfaces have no highlight. For textured surfaces, c^2 includes the light of the texture, and n is
-// constant in a triangle. The background in the unit direction r has the following code, with u = clamp(r.z,
-// 0, 1):
+// Textured surfaces have no highlight. For textured surfaces, c^2 is multiplied by the light of the texture.
+// All points of a textured triangle have the same n. The background in the unit direction r has the following
+// code, with u = clamp(r.z, 0, 1):
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 

@@ -21,8 +21,8 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 static_assert(kSubpixel == 1 << 8);
 
 // Computes for each row the column of the first sample center that is on the edge or to the right of the
-// edge. The column is ceil(x / kSubpixel) with x = x0 + dx (kSubpixel row - y0) / dy. The calculation is
-// exact, in integers.
+// edge. In the row number `row`, the edge is at x = x0 + dx (kSubpixel row - y0) / dy. The column
+// is ceil(x / kSubpixel). The calculation is exact, in integers.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {
@@ -204,8 +204,8 @@ static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<doub
     if (ha >= 0) to.corners[static_cast<std::size_t>(to.count++)] = a;
     if ((ha >= 0) == (hb >= 0)) continue;
     ClipCorner& cut = to.corners[static_cast<std::size_t>(to.count++)];
-    // Interpolate from the inner to the outer corner, so that the two triangles that share an edge get the
-    // same point.
+    // Always interpolates from the inner to the outer corner. Therefore two triangles with a common edge get
+    // exactly the same point.
     const ClipCorner &in = ha >= 0 ? a : b, &out = ha >= 0 ? b : a;
     const double share = height(in) / (height(in) - height(out));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -270,8 +270,8 @@ static inline void fill_clipped(const FillJob& job, const Projection& p,
       corner.weight[r] = r == i ? 1 : 0;
     }
   }
-  // Clipping planes of a guard band around the picture: -g z <= f x + c z <= g z, with g = kRange / 2
-  // samples.
+  // The first two clipping planes are the near and the far plane. The other planes limit both picture
+  // coordinates to the range from -g to g (samples).
   const double g = 0.5 * kRange, fx = static_cast<double>(p.focal_x),
                fy = static_cast<double>(p.focal_y);
   const double cx = static_cast<double>(p.centre_x), cy = static_cast<double>(p.centre_y);
@@ -326,8 +326,8 @@ KAZ_LANES_INLINE void fill_shadow_span(ShadowTexels& map, float x0, float base, 
 static inline void fill_shadow(const Vertices& v, const Batch& batch, ShadowTexels& map) {
   for (std::uint32_t i = 0; i < batch.count; i += 3) {
     const std::uint32_t a = batch.indices[i], b = batch.indices[i + 1], c = batch.indices[i + 2];
-    // Seen from the lamp, the rows of the shadow map are numbered upward. Thus a triangle that faces away
-    // from the lamp has a negative area before b and c are swapped.
+    // As seen from the lamp, the row numbers of the shadow map increase upward. Therefore triangles that face
+    // away from the lamp have a negative area. Swapping b and c makes the area positive.
     const Outline t = outline_of(v, a, c, b);
     if (twice_area(t) <= 0) continue;
     const float x0 = static_cast<float>(t.x[0]) * (1.0F / kSubpixel);

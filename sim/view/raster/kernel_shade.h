@@ -71,7 +71,7 @@ struct Row {
   int number;
   const float* w;  // 1 / z of each sample
   Along ray, shadow;
-  float b2;  // the term `1 + (by * y + b0)^2` of the squared ray length
+  float b2;  // part of the squared ray length that is constant in the row: `1 + (by * y + b0)^2`
 };
 
 KAZ_LANES_INLINE Floats square(Floats x) {
@@ -97,8 +97,9 @@ KAZ_LANES_INLINE Ints hazy(Floats r, Floats g, Floats b, Floats haze) {
 }
 
 // Returns the share of the key light that reaches a point. The point is given in shadow map coordinates:
-// texels and a depth code. The function compares the depth at the four nearest texels and interpolates
-// linearly between the four results, like OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE.
+// texels and a depth code. The depth of the point is compared with the depths of the four nearest texels. The
+// function interpolates linearly between the four results. OpenGL's LINEAR with COMPARE_REF_TO_TEXTURE does
+// the same.
 KAZ_LANES_INLINE Floats lit_at(const ShadowTexels& map, Floats sx, Floats sy, Floats depth) {
   const float limit = static_cast<float>(map.side) - 1.5F;
   const Floats fx = larger(smaller(sx - 0.5F, splat(limit)), splat(0.0F));
@@ -264,12 +265,13 @@ struct TextureRow {
   // `at + by * (x - x0)`.
   Along plane;
   float x0;
-  // Let w and w' be the depths at two neighboring columns. Between these columns, u changes by
+  // Let w and w' be the values of w at two neighboring columns. Between these columns, u changes by
   // `(by_u * w - by_w * u * w) / (w * w')`. The numerator of this fraction is the same at all columns of a
-  // row. For neighboring rows, the formula is analogous. across_u and across_v are the numerators for
-  // neighboring columns in the upper row of the block.
+  // row. In the upper row of the block, across_u and across_v are the numerators for u and v.
   float across_u, across_v;
-  Slope down_u, down_v;    // numerators for neighboring rows: `at + by_x * (x - x0)`
+  // Between two neighboring rows, the numerators are down_u and down_v. These numerators depend on the column
+  // x: `at + by_x * (x - x0)`.
+  Slope down_u, down_v;
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;
 };
@@ -300,8 +302,9 @@ KAZ_LANES_INLINE TextureRow texture_row(const Primitive& p, const Row& row) {
   return t;
 }
 
-// Returns the squared distance on the texture between neighboring samples in a block of 2 x 2 samples, in
-// squared texels of level 0. Returns the maximum of the horizontal and the vertical distance.
+// Each sample has two neighbors: the next sample in the row and the next sample in the column. The function
+// computes the distances to both neighbors on the texture, in texels of level 0. Returns the square of the
+// larger distance. The samples of a 2 x 2 block have the same result.
 KAZ_LANES_INLINE Floats texels_a_sample(const TextureRow& t, int at, float side) {
   const Floats dx = to_float((lane_numbers() + at) & ~1) - t.x0;
   const Floats w00 = t.w_upper + t.by_w * dx, w10 = t.w_upper + t.by_w * (dx + 1.0F);
@@ -331,7 +334,7 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
                                  bool soft) {
   if (!soft) return texel_at(t, u, v, nearest_level(texels2, t.last));
   const Ints last = splat_int(t.last), zero = splat_int(0);
-  // log2(root(texels2)), approximated by linear interpolation between powers of two, plus the offset 0.25.
+  // `lod` is log2(root(texels2)) + 0.25. The logarithm is interpolated linearly between powers of two.
   const Floats mantissa = (Floats)((bits(texels2) & 0x007FFFFF) | 0x3F800000);
   const Floats lod = 0.5F * (to_float(exponent(texels2)) + (mantissa - 1.0F)) + 0.25F;
   const Floats whole = floor_of(lod);
@@ -346,8 +349,9 @@ KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Flo
 }
 
 // Returns the mip level if all samples `first .. end - 1` have the same level. Returns -1 if the samples may
-// have several levels. Bounds of the level are computed from the first and the last sample. Two samples are
-// enough, because w and the numerators are linear functions of the column.
+// have several levels. The function computes the smallest and the largest possible level from the first and
+// the last sample. The samples in between are within these bounds, because w and the numerators are linear
+// functions of the column.
 static inline int level_of_all(const TextureRow& t, const TextureLevels& texture, int first,
                                int end) {
   const float from = static_cast<float>(first & ~1) - t.x0;
@@ -387,7 +391,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   for (int at = first; at < end; at += kLanes) {
     const Floats x = column_numbers(at), dx = x - t.x0;
     const Floats w = t.plane.at[2] + t.plane.by[2] * dx;
-    // One division gives both 1 / w and 1 / (q + haze w^2).
+    // Divisions are slow. Therefore 1 / w and 1 / sum are both computed from one division, 1 / (w * sum).
     const Floats q = ray_square(row, x), near = lighting::haze_m2 * square(w), sum = q + near;
     const Floats both = 1.0F / (w * sum), z = both * sum, share = both * w;
     const Floats u = (t.plane.at[0] + t.plane.by[0] * dx) * z;
@@ -477,7 +481,8 @@ static inline void shade_row(const Vertices& v, const Shading& s, const Target& 
                 along_row(s.shadow0, s.shadow_x, s.shadow_y, fy),
                 1.0F + b * b};
   std::uint32_t* codes = scratch.codes.data();
-  int plain = -1;  // first column of the untextured samples directly before x; -1: no such samples
+  // First column of the untextured samples that are not shaded yet; -1: no such samples.
+  int plain = -1;
   for (int x = target.left; x < target.right;) {
     const int end = run_end(owner, x, target.right);
     Primitive& p = primitives[owner[x]];

@@ -69,8 +69,8 @@ struct Primitive {
   std::uint32_t provoking;
   std::uint32_t surface;  // index into Shading::surfaces
   bool prepared;          // true: `slopes`, `shaded` and `key` are computed
-  // Components of the normal times w. For textured triangles, slopes[0] is u * w and slopes[1] is v * w
-  // instead.
+  // Untextured triangles: the three components of the normal, each multiplied by w. Textured triangles:
+  // slopes[0] is u * w, and slopes[1] is v * w.
   std::array<Slope, 3> slopes;
   // For a textured triangle, `shaded` is the light in shadow, and `key` is the additional light from the key
   // light. For other triangles, `shaded` is the tint, and `key` is unused.
@@ -88,7 +88,7 @@ struct Surface {
 struct Target {
   int left = 0, right = 0;  // the columns `left .. right - 1` are drawn
   int top = 0, bottom = 0;  // the rows `top .. bottom - 1` are drawn
-  // Length of a row in memory: all columns of the picture, from column 0 on, and kPad more elements.
+  // Number of elements of a row in memory: the width of the picture in samples, plus kPad.
   int stride = 0;
   std::vector<float> w;                  // depth of each sample; 0: background
   std::vector<std::uint32_t> primitive;  // number of the primitive at each sample; 0: background

@@ -113,7 +113,7 @@ KAZ_LANES_INLINE Floats floor_of(Floats x) {
   return whole > x ? whole - 1.0F : whole;
 }
 
-// The first three of four consecutive words, for each lane.
+// Result of gather_three(): for each lane, three consecutive words from memory.
 struct ThreeWords {
   Ints first, second, third;
 };

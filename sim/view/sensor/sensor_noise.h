@@ -28,9 +28,9 @@ class NoiseRow {
     std::size_t first = 0, end = 0;
   };
   // Converts the values of a row to codes. The unit of the values is 1/64 of a code. A pixel with n electrons
-  // is read as n + z sqrt(n + read_noise_e^2), where z has mean 0 and sigma 1. The random number z is a
-  // scaled sum of four random bytes (nearly normal, |z| <= 3.46). These bytes depend on `key` and on the
-  // position in the row. `with` must be an available instruction set. All instruction sets give the same
+  // is read as n + z sqrt(n + read_noise_e^2). Here z is a random number with mean 0 and sigma 1. The number
+  // z is a scaled sum of four random bytes (nearly normal, |z| <= 3.46). These bytes depend on `key` and on
+  // the position in the row. `with` must be an available instruction set. All instruction sets give the same
   // codes.
   void expose(const std::uint16_t* codes64, std::uint8_t* codes, Range range, std::uint64_t key,
               InstructionSet with = best_instructions()) const;
@@ -39,8 +39,8 @@ class NoiseRow {
     // Factor that converts values to codes, including sqrt(exposure). The unit of the values is 1/64 of a
     // code.
     float code = 0;
-    // Parameters of the noise. The variance of the noise is shot * code^2 + read, multiplied by the variance
-    // of the sum of four random bytes.
+    // Parameters of the noise. The noise is z sqrt(shot * code^2 + read). Here z is the sum of four random
+    // bytes, minus the mean of this sum.
     float shot = 0, read = 0;
   };
 
