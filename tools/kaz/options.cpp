@@ -89,7 +89,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("FILE");
   add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
              "nominal: sensors with noise; ideal: sensors without noise; as-built: like nominal, "
-             "but each potentiometer has its own curve and offset, which calibration can measure");
+             "but each potentiometer has an uncalibrated curve and offset of its own");
   add_imu(verb, options.imu);
   verb.add_option("--dynamics", options.dynamics,
                   "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; quickN: the "
@@ -98,8 +98,8 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->capture_default_str();
   verb.add_option("--physics-step", options.physics_step_ms,
                   "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
-                  "stays at 1 ms. Choose at most 1 ms if a ball is thrown, and at most 2 ms if the "
-                  "robot's motors are on (docs/explanation/dynamics.md)")
+                  "stays at 1 ms. Choose at most 1 ms for impacts, such as a thrown ball, and at "
+                  "most 2 ms while the robot's motors are on (docs/explanation/dynamics.md)")
       ->check(number())
       ->type_name("MS")
       ->capture_default_str();
@@ -108,8 +108,9 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinhole cameras without noise; real: rectified pictures of cameras with lens "
-             "errors, exposure and noise; none: no cameras, for behaviors that use no pictures");
+             "ideal: pinhole cameras without noise; real: rectified pictures from cameras that "
+             "have lens errors, exposure and noise; none: no cameras, for behaviors that use no "
+             "pictures");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
       ->check(CLI::IsMember({320, 640}));
@@ -178,8 +179,8 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
-                "also record the eyes' pictures; otherwise the recording contains only the SHA-256 "
-                "hash of each picture");
+                "also record the eyes' pictures; without this option, the recording contains only "
+                "a hash (SHA-256) of each picture");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,

@@ -116,9 +116,9 @@ inline constexpr const char* kBusText =
     "the servo bus: feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]; PATH may also be "
     "rfc2217:HOST:PORT";
 inline constexpr const char* kRobotText =
-    "sim for the virtual robot; serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT or "
-    "rfc2217:HOST:PORT[@BAUD] for a board at a port; boards:FILE for several boards, where FILE "
-    "lists the joints of each board; feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD] for a servo bus";
+    "the virtual robot (sim); a board at a port (serial:PATH[@BAUD], can:INTERFACE, tcp:HOST:PORT "
+    "or rfc2217:HOST:PORT[@BAUD]); several boards (boards:FILE, where FILE lists the joints of "
+    "each board); or a servo bus (feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD])";
 
 // Adds --robot KIND:PATH, for verbs that need a port. --port is an alias for older scripts.
 CLI::Option* add_port(CLI::App& verb, std::string& port, const std::string& text = kPortText);

@@ -68,9 +68,9 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "--memory or kaz sim --memory")
       ->type_name("FILE");
   verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
-                  "self-test: at this interval, save the virtual robot's state, run 0.1 s without "
-                  "recording, and restore the state. The recording must be the same with and "
-                  "without this option")
+                  "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
+                  "without recording, and restore the state. This option must not change the "
+                  "recording")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,

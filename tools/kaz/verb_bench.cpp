@@ -60,9 +60,9 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str()
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
-                  "motor stand of the board at the port. ctl:PATH is the control socket of kaz sim "
-                  "--stand. With --stand manual, prompts tell you when to clamp the shaft, press "
-                  "on it and read the scale. Without "
+                  "motor stand, only for a board at a port. ctl:PATH selects the simulated stand "
+                  "of kaz sim --stand, whose control socket is PATH. With --stand manual, prompts "
+                  "tell you when to clamp the shaft, press on it and read the scale. Without "
                   "--stand, measurements that need a stand are left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
@@ -71,16 +71,16 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option("--filter", arguments.filter,
-                  "make only the measurements whose names match this regular expression. "
-                  "Some measurements always run together as a group. A group runs if the name of "
-                  "one of its measurements matches")
+                  "run only the measurements whose names match this regular expression. Some "
+                  "measurements run only as a group. If one name in a group matches, the whole "
+                  "group runs")
       ->type_name("REGEX");
   add_motor_options(verb, arguments.target.backend);
   for (const char* name : {"--motor-file", "--motor"})
     verb.get_option(name)->excludes(verb.get_option("--robot"));
   verb.get_option("--disc")->description(
-      "inertia of the disc on the shaft of the virtual stand, or of your own stand if you give "
-      "--stand manual");
+      "inertia of the disc on the motor's shaft; with --stand manual, this is the disc that you "
+      "have mounted");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -98,14 +98,14 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
-          ? "for the measurements of link and tick: switch the joints on and hold the joints "
-            "still, for a realistic load. For motors, if the board is at a port and has no stand: "
-            "let each joint move at full speed through its range"
+          ? "during the measurements of link and tick, switch the joints on and hold the joints "
+            "still, for a realistic load. During the measurements of motors at a port without a "
+            "stand, let each joint move at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
-            "--allow-motion, the joints stay off and the board refuses the targets, but the "
-            "requests have the same length");
+            "--allow-motion, the joints stay off, and the board refuses the targets. A refusal is "
+            "as long as an acknowledgment, so the load of the link is the same");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
@@ -117,8 +117,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                                        joints + ".\n"
                                  : std::string()) +
                "Exit status: 0 all measurements are within the limits; 1 a measurement is outside "
-               "its limits; 2 wrong usage; 3 port error, or no verdict because this machine "
-               "caused delays or a motor was too warm.\n"
+               "its limits; 2 wrong usage; 3 port error, or a measurement is undecided because "
+               "this machine was too slow or a motor was too warm.\n"
                "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
@@ -127,8 +127,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
           target.stand != "manual")
         return fail(Fault::usage,
-                    "--disc is only valid with the virtual stand or --stand manual, because kaz "
-                    "sim --stand has its own --disc; leave --disc out");
+                    "--disc is only valid with the virtual stand or --stand manual; leave --disc "
+                    "out. To set the disc of kaz sim --stand, give --disc to kaz sim");
       if (arguments->motor && verb->count("--supply") > 0 && !target.port.empty() &&
           target.stand.empty())
         return fail(Fault::usage,
@@ -154,11 +154,12 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       ->required();
   verb->add_option(
           "--held-out", arguments->held_out,
-          "logs that are not used in the fit; the model that best predicts these logs is chosen")
+          "logs on which the fitted models are tested. Kaz chooses the simplest model whose error "
+          "on these logs is within 3 % of the smallest error")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
-                   "number of the last friction model to fit; for example, 4 fits the models M1 to "
-                   "M4 (default: 6)")
+                   "fit the friction models from M1 up to this number; for example, 4 selects M1 "
+                   "to M4 (default: 6)")
       ->check(between(1, 6))
       ->type_name("1..6");
   verb->add_option("--out", arguments->out,
@@ -217,7 +218,8 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->capture_default_str()
       ->type_name("DEGREES");
   verb->add_option("--seconds", recorder.seconds,
-                   "duration of each log; shorter logs have faster motions")
+                   "duration of each log; each log contains a complete motion, so the motion in a "
+                   "shorter log is faster")
       ->check(between(2.0, 60.0))
       ->capture_default_str()
       ->type_name("S");
@@ -239,12 +241,11 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
                  "print record.json on standard output, without progress messages");
   verb->footer(
       "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
-      "of 6 s. "
-      "Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
-      "During the recording, the D gain, I gain "
-      "and minimum duty are 0; then Kaz restores their values. Ctrl-C, an exceeded limit or a lost "
-      "servo ends the recording. Kaz then switches the torque off, restores the registers and "
-      "writes no file.\n"
+      "of 6 s. Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
+      "During the recording, the D gain, I gain and minimum duty are 0; then Kaz restores their "
+      "values. The recording ends early after Ctrl-C, if a limit is exceeded, or if the servo "
+      "stops answering. Kaz then switches the torque off, restores the registers and writes no "
+      "file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"
@@ -273,7 +274,8 @@ void add_fit(CLI::App& bench_verb, Action& action) {
       ->type_name("NAME");
   add_choice(*verb, "--mcu", sim::kMcuKinds, arguments->model.mcu,
              "microcontroller of the simulated board: h8 executes the firmware image; native is "
-             "five times as fast, but the start times of motions have an error of 0.1 ms");
+             "five times as fast, but does not simulate the firmware's delay of 0.1 ms when a "
+             "motor starts");
   verb->add_option("--image", arguments->model.image,
                    "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
@@ -311,8 +313,7 @@ void add_bench(CLI::App& program, Action& action) {
       "  kaz bench motor --robot serial:/dev/ttyUSB0 --joint l_sh_pitch --stand manual --disc "
       "4e-4\n"
       "  kaz bench motor --robot serial:board --stand ctl:board.ctl     # for kaz sim --serial "
-      "board "
-      "--stand");
+      "board --stand");
   add_measuring(
       *verb, action, "link",
       "measure the link's round-trip times, cycles per second, errors and lost telemetry",
@@ -332,9 +333,8 @@ void add_bench(CLI::App& program, Action& action) {
   auto* names = verb->add_subcommand(
       "list", "print the names and limits of the measurements, and measure nothing");
   auto as_json = std::make_shared<bool>(false);
-  names->add_flag(
-      "--json", *as_json,
-      "print the list as JSON, in the format that --limits reads; a missing limit is null");
+  names->add_flag("--json", *as_json,
+                  "print the list as JSON, in the format for --limits; null stands for no limit");
   names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {
@@ -343,8 +343,10 @@ void add_bench(CLI::App& program, Action& action) {
     };
   });
   verb->footer(
-      "Examples:\n  kaz bench motor --out motor\n  kaz bench fit motor --out fit\n  kaz bench "
-      "list");
+      "Examples:\n"
+      "  kaz bench motor --out motor\n"
+      "  kaz bench fit motor --out fit\n"
+      "  kaz bench list");
 }
 
 }  // namespace kaz::tools

@@ -69,8 +69,8 @@ void add_record(CLI::App& bus, Action& action) {
   verb->add_flag("--json", options->json,
                  "print a summary of the recording as JSON, without progress messages");
   verb->footer(
-      "The servos do not drive the joints: move the robot by hand. A motion faster than 4 rad/s is "
-      "slowed down in the file. After Ctrl-C, no file is written.\n"
+      "The servos do not drive the joints: move the robot by hand. If a joint moves faster than 4 "
+      "rad/s, Kaz slows down the whole motion in the file. After Ctrl-C, no file is written.\n"
       "Exit status: 0 the file is written; 1 no joint moved, or a joint was outside its limits; 2 "
       "wrong usage; 3 port error.\n"
       "Examples:\n"
@@ -112,9 +112,9 @@ void add_bus(CLI::App& program, Action& action) {
       "bus", "find, examine and record Feetech and ROBOTIS servos on a serial line");
   verb->require_subcommand(1);
   verb->footer(
-      "Examples:\n  kaz bus scan --robot serial:/dev/ttyACM0\n  kaz bus status --robot "
-      "feetech:/dev/ttyACM0 "
-      "--robot-file so101.urdf");
+      "Examples:\n"
+      "  kaz bus scan --robot serial:/dev/ttyACM0\n"
+      "  kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
   add_record(*verb, action);
   add_bus_status(*verb, action);
   auto* scan = verb->add_subcommand(
@@ -147,8 +147,8 @@ void add_bus(CLI::App& program, Action& action) {
       "The scan only reads registers: no servo moves, and no register is written. Each id takes 8 "
       "ms at each baud rate; a scan with both protocols takes a minute. --protocol and --baud "
       "shorten the scan.\n"
-      "Exit status: 0 servos were found, and there is no problem; 1 no servo was found, "
-      "or there is a problem with a servo or the wiring; 2 wrong usage; 3 port error.\n"
+      "Exit status: 0 servos were found, and there is no problem; 1 no servo was found, or there "
+      "is a problem with a servo or the wiring; 2 wrong usage; 3 port error.\n"
       "Examples:\n"
       "  kaz bus scan --robot serial:/dev/ttyACM0\n"
       "  kaz bus scan --robot feetech:/dev/ttyACM0@1000000 --ids 1-6\n"

@@ -118,14 +118,13 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->capture_default_str();
   add_address(verb, options.backend.address);
   verb.add_option("--only", options.only,
-                  "stops: only the calibration by mechanical stops, with the robot suspended; "
-                  "floor: only the calibration with the robot standing, which needs an earlier "
-                  "calibration by stops; gauge: no "
-                  "joint moves, and you enter the angles")
+                  "run only one part of the calibration. stops: the suspended robot presses its "
+                  "joints against the mechanical stops; floor: the robot stands, after an earlier "
+                  "calibration by stops; gauge: no joint moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
   verb.add_option("--gauge", options.gauge,
-                  "current angle of the joint NAME, or of all joints if NAME is all, measured by a "
-                  "gauge or a jig; --gauge may be repeated")
+                  "present angle of the joint NAME, which you have measured with a gauge or a jig. "
+                  "If all joints have the same angle, NAME can be all. --gauge may be repeated")
       ->type_name("NAME=DEGREES")
       ->expected(1)
       ->allow_extra_args(false)
@@ -201,9 +200,10 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "is suspended and set down automatically. If all joints have good readings, the calibration "
       "is stored in the board. After Ctrl-C or an error, the board is unchanged.\n"
       "On a servo bus (--robot feetech:PORT or dynamixel:PORT), the servos do not drive the "
-      "joints: turn each joint by hand from one stop to the other. Kaz chooses position offsets so "
-      "that no servo position wraps around within the joint's range. Kaz shows the EEPROM values, "
-      "writes the values, and reads the values back. The zero positions are written to bus.json.\n"
+      "joints: turn each joint by hand from one stop to the other. At the end of a turn, a servo's "
+      "position jumps back to zero. Kaz sets position offsets that move this jump out of the "
+      "joint's range. Kaz shows the EEPROM values, writes the values, and reads the values back. "
+      "The zero positions are written to bus.json.\n"
       "Exit status: 1 a joint has no good reading, and no calibration is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"

@@ -24,8 +24,7 @@ void add_can_bridge(CLI::App& program, Action& action) {
           [arguments](const std::vector<int>& all) {
             arguments->addresses.assign(all.begin(), all.end());
           },
-          "addresses of the boards on this line; no other bridge on the bus may use these "
-          "addresses")
+          "addresses of the boards on the serial line; each address must be unique on the CAN bus")
       ->check(between(1, KZ_ADDRESS_LAST))
       ->delimiter(',')
       ->type_name("N")

@@ -23,12 +23,12 @@ void add_compare(CLI::App& program, Action& action) {
       ->excludes("--all");
   verb->footer(
       "The recordings may come from a real and a virtual robot, or from runs before and after a "
-      "change. "
-      "The comparison uses only the data on the wire and the reports of the behavior, because "
-      "every recording contains both. For each joint, the measures are the lag, the offset and the "
-      "scatter relative to the joint's command. The other measures are the supply, the round-trip "
-      "times and the delays of pictures. A "
-      "measure differs if Welch's test finds a significant difference at the 0.1 % level.\n"
+      "change. The comparison uses only data that every recording contains: the messages on the "
+      "serial line and the reports of the behavior. For each joint, Kaz compares the lag, the "
+      "offset and the scatter of the angle relative to the joint's command. Kaz also compares the "
+      "supply, the link (such as round-trip times) and the pictures (such as their delays). A "
+      "measure differs if two conditions are met: Welch's test rejects equality at the 0.1 % "
+      "level, and the difference exceeds the measure's resolution.\n"
       "Exit status: 0 no measure differs, 1 a measure differs, 2 wrong usage.\n"
       "Examples:\n"
       "  kaz run go-forward --set distance=0.1 --mcu native --out before\n"

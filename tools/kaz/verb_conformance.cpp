@@ -102,8 +102,8 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_option_function<std::string>(
           "--json",
           [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
-          "write the report (with --list: the list of cases) as JSON to FILE; without FILE, or if "
-          "FILE is -, print only the JSON, on standard output")
+          "write the report as JSON to FILE; if FILE is - or not given, print only the JSON, on "
+          "standard output. With --list, write the list of cases instead of the report")
       ->expected(0, 1)
       ->type_name("[FILE]");
   verb->add_option("--html", arguments->html,
@@ -111,15 +111,14 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("FILE")
       ->excludes(list);
   verb->footer(
-      "A virtual board passes all cases. At a port, cases that disturb supply, sensors or line are "
-      "left out. At the end, also after Ctrl-C, the settings of a board at a port are put back. If "
-      "the run was killed, kaz recover puts the settings back. If this machine delays a run "
-      "and the case fails, the case is repeated up to three times. A case that fails with delays "
-      "in every run is undecided. All cases take a few seconds on a virtual board, one or two "
-      "minutes at a port, and about four minutes with --allow-flash.\n"
-      "With --bus, the servo's torque must be off. Unless an option allows more, the cases write "
-      "only to RAM and put each value back, and the servo does not move. The cases take half a "
-      "minute.\n"
+      "A virtual board passes all cases. At a port, Kaz leaves out the cases that disturb the "
+      "supply, the sensors or the serial line. At the end, also after Ctrl-C, the settings of a "
+      "board at a port are put back. If the run was killed, kaz recover puts the settings back. If "
+      "a case fails while this machine is too slow, the case runs again, up to three times. If the "
+      "machine is too slow each time, the case is undecided. All cases take a few seconds on a "
+      "virtual board, one or two minutes at a port, and about four minutes with --allow-flash.\n"
+      "With --bus, the servo's torque must be off. By default, the servo does not move, and the "
+      "cases write only to RAM and restore each value. The cases take half a minute.\n"
       "Exit status: 0 all cases that ran passed; 1 a case failed; 2 wrong usage; 3 port error, or "
       "a case is undecided.\n"
       "Examples:\n"

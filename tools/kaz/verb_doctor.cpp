@@ -21,10 +21,10 @@ void add_doctor(CLI::App& program, Action& action) {
   verb->add_flag("--json", options->json, "print the findings as JSON");
   verb->footer(
       "Each finding is marked good, note (something could be better) or wrong (something does not "
-      "work). A command below the finding corrects the problem. kaz doctor opens no serial port "
-      "except the port in "
-      "--robot, because some adapters reset the board when a program opens the port. Run kaz "
-      "doctor as root to find devices that programs of other users hold open.\n"
+      "work). If a command can correct the problem, Kaz prints this command below the finding. kaz "
+      "doctor opens no serial port except the port in --robot, because some adapters reset the "
+      "board when a program opens the port. Run kaz doctor as root to find devices that programs "
+      "of other users hold open.\n"
       "Exit status: 0 no finding is marked wrong, 1 a finding is marked wrong.\n"
       "Examples:\n"
       "  kaz doctor\n"

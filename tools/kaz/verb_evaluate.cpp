@@ -32,7 +32,7 @@ struct Arguments {
 
 constexpr const char* kExitStatus =
     "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 at "
-    "least one episode was lost (disk, port, process).\n";
+    "least one episode has no result because the machine failed (disk, port, process).\n";
 
 // --NAME FROM TO, both within `bounds`; `by_default`: what `given` stays without it.
 void add_interval(CLI::App& verb, const std::string& name, std::vector<double>& given,
@@ -181,9 +181,9 @@ void add_merge(CLI::App& evaluate, Action& action) {
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "All parts must have the same options, except --shard, --jobs and --out. Episodes of a "
-      "missing or interrupted part are listed. result.json then covers the "
-      "completed episodes and contains \"interrupted\": true.\n"
+      "All parts must have the same options, except --shard, --jobs and --out. If a part is "
+      "missing or interrupted, Kaz lists the missing episodes. In this case, result.json covers "
+      "only the completed episodes and contains \"interrupted\": true.\n"
       "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 at "
       "least one episode is missing.\n"
       "Examples:\n"
@@ -248,7 +248,8 @@ void add_evaluate(CLI::App& program, Action& action) {
                "distance of the ball from the feet, m, drawn from this range", "m");
   verb->add_option(
           "--bearing", c.variation.bearing_deg,
-          "largest angle of the ball or the goal to either side, degrees; 0 is straight ahead")
+          "largest angle between straight ahead and the direction of the ball or the goal, to the "
+          "left or right, degrees")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
@@ -278,8 +279,8 @@ void add_evaluate(CLI::App& program, Action& action) {
                "only with navigate: difficulty of the worlds, drawn from this range; a higher "
                "difficulty means more obstacles or narrower gaps");
   verb->add_option("--obstacles", c.variation.max_obstacles,
-                   "only with navigate: maximum number of boxes and cans in worlds of kind "
-                   "clutter; the minimum is half of the maximum")
+                   "only with navigate: maximum number of boxes and cans in a world of the kind "
+                   "clutter. Each of these worlds has at least half of this number")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
@@ -297,14 +298,14 @@ void add_evaluate(CLI::App& program, Action& action) {
                    ->check(between(0.01, 5.0, "N s"))
                    ->type_name("NS");
   add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "direction of the pushes; the values sides and around choose a random direction for "
-             "each push")
+             "direction of the pushes, relative to the start of the robot. With sides, each push "
+             "goes at random to the left or right. With around, each push has a random direction")
       ->needs(push);
   verb->add_option(
           "--push-from", pushes.from_s,
-          "time of the first push, in s after the robot's first step. For the behaviors stand, "
-          "get-up, search-ball and track-ball, the time counts from the start of the run, and the "
-          "default is 1")
+          "time from the robot's first step to the first push. For the behaviors stand, get-up, "
+          "search-ball and track-ball, the time counts from the start of the run, and the default "
+          "is 1 s")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")
@@ -318,9 +319,9 @@ void add_evaluate(CLI::App& program, Action& action) {
                  "with --sensors as-built: calibrate each robot's joints before the episode, as "
                  "kaz calibrate joints does");
   verb->add_option("--judge", c.judged_as,
-                   "for a plug-in: name of a built-in behavior; its criteria decide which episodes "
-                   "succeed. Without --judge, "
-                   "the plug-in's own result counts, and a fall is a failure")
+                   "for a plug-in: apply the success criterion of the built-in behavior NAME. "
+                   "Without --judge, an episode succeeds if the plug-in reports success and the "
+                   "robot does not fall")
       ->type_name("NAME");
   verb->add_flag("--realtime", c.realtime,
                  "run in real time, with kaz sim and kaz run as separate processes connected by a "
@@ -339,9 +340,10 @@ void add_evaluate(CLI::App& program, Action& action) {
   auto* hosts =
       verb->add_option(
               "--parallel-hosts", arguments->hosts,
-              "run with GNU parallel, on the machines that this file lists. Each line is "
-              "':' for this machine, or an ssh destination; a prefix such as 8/ "
-              "sets the number of processors. DIR and kaz must have the same paths on all machines")
+              "run with GNU parallel, on the machines that this file lists. Each line names one "
+              "machine: an ssh destination, or ':' for this machine. To use 8 processors of a "
+              "machine, put 8/ before its name, as in 8/lab1. DIR and kaz must have the same paths "
+              "on all machines")
           ->type_name("FILE");
   verb->add_option("--parallel-tasks", arguments->hosts_tasks,
                    "number of parts (default: 100, or the number of episodes if that is smaller)")

@@ -58,8 +58,8 @@ void add_figures(CLI::App& program, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   verb->add_option("--recording", options->recording,
-                   "draw figures of your own run, given by its recording.mcap; Kaz repeats the run "
-                   "with the recorded seed")
+                   "recording.mcap of your own run, from which the figures are drawn. Kaz repeats "
+                   "this run with the recorded seed")
       ->type_name("FILE");
   verb->add_option("--goal", options->goal,
                    "goal of the run in figures 5 and 6, in the form of kaz run navigate --goal")
@@ -81,7 +81,7 @@ void add_figures(CLI::App& program, Action& action) {
       "of the head, and figure 8 shows catch-ball. Figures 1, 2 and 4 show no run. Drawing all "
       "figures takes a few minutes. Each run has its own folder, such as DIR/navigate, which "
       "contains the recording (about 1.3 MB per second).\n"
-      "Exit status: 1 a run failed, or a run lacks data for a figure; the other figures are "
+      "Exit status: 1 a run failed, or its data are not enough for a figure; the other figures are "
       "drawn.\n"
       "Examples:\n"
       "  kaz figures\n"

@@ -24,9 +24,10 @@ constexpr const char* kExitStatus =
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
   auto* reset =
       verb.add_option("--reset", arguments.reset,
-                      "use boot mode. HOW says how the board enters boot mode: dtr-rts (DTR is "
-                      "wired to RES, and RTS to the mode pins), ctl:PATH (control socket of kaz "
-                      "sim) or manual. Boot mode erases the whole flash, including the stored "
+                      "use boot mode. With dtr-rts, the port's lines DTR and RTS start boot mode; "
+                      "DTR must be wired to RES, and RTS to the mode pins. With ctl:PATH, the "
+                      "control socket of kaz sim starts boot mode. With manual, you start boot "
+                      "mode by hand. Boot mode erases the whole flash, including the stored "
                       "calibration and address. Without --reset, the resident loader is used")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
@@ -42,9 +43,11 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
 
 void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--reset", arguments.reset,
-                  "start the firmware by a reset, for example after boot mode. HOW is dtr-rts (DTR "
-                  "is wired to RES, and RTS to the mode pins), ctl:PATH (control socket of kaz "
-                  "sim) or manual. Without --reset, the resident loader starts the firmware")
+                  "start the firmware by a reset, for example after boot mode. With dtr-rts, the "
+                  "port's lines DTR and RTS reset the board; DTR must be wired to RES, and RTS to "
+                  "the mode pins. With ctl:PATH, the control socket of kaz sim resets the board. "
+                  "With manual, you reset the board. Without --reset, the resident loader starts "
+                  "the firmware")
       ->type_name("HOW");
 }
 
@@ -142,8 +145,7 @@ void add_flash(CLI::App& program, Action& action) {
   auto [read, to_read] =
       add("read", "copy the flash to a raw file; the board restarts, so the motors go off",
           "  kaz flash read --robot serial:/dev/ttyUSB0 --out flash.bin\n"
-          "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out "
-          "part.bin\n");
+          "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out part.bin\n");
   read->add_option("--from", to_read->from, "first address to read")
       ->check(between(0, 0x1ffff))
       ->type_name("ADDRESS")

@@ -37,15 +37,17 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("N");
   auto* corpus = verb->add_option("--corpus", arguments->corpus,
-                                  "folder of initial cases, created if it is missing; cases that "
-                                  "show a new feature (a new reaction of the board) are added")
+                                  "folder of cases with which the search begins. Kaz creates the "
+                                  "folder if it is missing, and adds each case to which the board "
+                                  "reacts in a new way")
                      ->type_name("DIR");
   auto* out = verb->add_option("--out", arguments->out, "file for a failing case")
                   ->capture_default_str()
                   ->type_name("FILE");
   verb->add_option("--replay", arguments->replay,
-                   "run only the case in this file, and list the steps of the case; any file can "
-                   "be a case, because its bytes choose the requests")
+                   "run only the case in this file, and list the steps of the case; every file is "
+                   "a valid case, because every sequence of bytes stands for a sequence of "
+                   "requests")
       ->type_name("FILE")
       ->excludes(seconds)
       ->excludes(cases)
@@ -63,18 +65,18 @@ void add_fuzz(CLI::App& program, Action& action) {
                  "at a port: also send requests that write the board's flash");
   verb->add_flag("--json", arguments->json, "print the result as JSON, without progress messages");
   verb->footer(
-      "On native and h8, kaz fuzz checks each tick; on h8, native code also computes each tick for "
-      "comparison. At a port, kaz fuzz checks the replies. THE JOINTS OF A ROBOT AT A PORT MOVE. A "
-      "failing case is shortened and written to --out. At the end, also after Ctrl-C, the settings "
-      "of a board at a port are put back. If the run was killed, kaz recover puts the settings "
-      "back. Each case chooses its own faults of line, power and sensors "
+      "With native and h8, kaz fuzz checks each tick. With h8, native computes each tick too, and "
+      "both results must be equal. At a port, kaz fuzz checks the replies. THE JOINTS OF A ROBOT "
+      "AT A PORT MOVE. A failing case is shortened and written to --out. At the end, also after "
+      "Ctrl-C, the settings of a board at a port are put back. If the run was killed, kaz recover "
+      "puts the settings back. Each case chooses its own faults of line, power and sensors "
       "(docs/reference/simulator.md). The page docs/howto/fuzzing.md lists the criteria of the "
       "checks.\n"
-      "A feature is a reaction of the board: a kind of reply with its status, or a refusal with "
-      "its reason. On native and h8, a feature is also a combination of states inside the board, "
-      "such as a shutdown, joints at their limits and a queued request. Cases that show a new "
-      "feature are kept; later cases are variations of the kept "
-      "cases.\n"
+      "A feature is a way in which the board reacts, such as a reply with a certain status or a "
+      "refusal with a certain reason. With native and h8, each combination of states inside the "
+      "board is a feature, too. An example is a shutdown while joints are at their limits and a "
+      "request is queued. Kaz keeps each case that shows a new feature, and makes later cases by "
+      "changing the kept cases.\n"
       "Exit status: 0 no case failed, 1 a case failed.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"

@@ -28,7 +28,8 @@ struct CompareArguments {
 void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
   auto* wire = verb.add_flag(
       "--wire", arguments.on_wire,
-      "compare the replies of complete boards on the serial line, and not single ticks");
+      "compare the replies of two complete boards on the serial line, instead of the outputs of "
+      "single ticks");
   verb.add_option("--conversations", arguments.wire.conversations,
                   "number of conversations of one second each")
       ->transform(whole_number_above_zero(1'000'000'000))
@@ -47,8 +48,8 @@ void add_wire_options(CLI::App& verb, CompareArguments& arguments) {
 
 void add_mcu_compare(CLI::App& mcu, Action& action) {
   auto* verb = mcu.add_subcommand("compare",
-                                  "compare the native build with the emulated h8: equal inputs of "
-                                  "the servo tick must give equal outputs");
+                                  "check that the native build and the firmware on the emulated h8 "
+                                  "give equal outputs in each tick, for equal inputs");
   auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("--ticks", arguments->options.ticks, "number of ticks of 1 ms")
       ->transform(whole_number_above_zero(kMaxTicks))
@@ -102,15 +103,16 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_flag("--flat", options.flat,
                 "emulate only the CPU, with 16 MiB of RAM, and start at the image's entry point");
   verb.add_flag("--semihost", options.semihost,
-                "with --flat: serve GDB's host calls, and exit with the program's own status")
+                "with --flat: let the program write text and end itself by host calls "
+                "(docs/howto/h8s-program.md); kaz then exits with the program's status")
       ->needs("--flat");
   verb.add_flag(
       "--count", options.count,
-      "print insns=N (instructions) and states=N (cycles of the chip's clock) at the end, "
-      "on standard error");
+      "print insns=N (instructions) and states=N (cycles of the chip's clock) at the end, on "
+      "standard error");
   verb.add_option("--max-states", options.max_states,
-                  "stop after N states, which are cycles of the chip's clock (default: one second "
-                  "of simulated time; no limit with --flat)")
+                  "stop after N states; a state is one cycle of the chip's clock (default: one "
+                  "second of simulated time, or no limit with --flat)")
       ->transform(whole_number_above_zero())
       ->type_name("N");
   verb.add_option("--max-insns", options.max_insns, "stop after N instructions")
@@ -149,8 +151,9 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
   auto* profile =
       verb.add_flag(
               "--profile{-}", debug.profile,
-              "at the end, print the number of states per function on standard error; "
-              "--profile=FILE writes the numbers to FILE. Function names need a COFF or ELF image")
+              "at the end, print how many states (clock cycles) each function took, on standard "
+              "error; --profile=FILE writes this profile to FILE. Function names need a COFF or "
+              "ELF image")
           ->excludes("--flat")
           ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
@@ -159,8 +162,8 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
       ->capture_default_str()
       ->needs(profile);
   verb.add_option("--tick", debug.tick,
-                  "begin and end of a tick: labels of a COFF or ELF image, or addresses; the "
-                  "profile reports the longest tick")
+                  "labels of a COFF or ELF image, or addresses, at which a tick begins and ends. "
+                  "The profile then also shows the functions of the longest tick")
       ->needs(profile)
       ->type_name("BEGIN,END");
   verb.add_option("--coverage", debug.coverage,
@@ -204,8 +207,9 @@ void add_bare_run(CLI::App& mcu, Action& action) {
                   ->excludes("--flat")
                   ->type_name("FILE");
   verb->add_option("--signals", options->signals,
-                   "pins, registers and memory to record, such as P50,pc,FRC,0xffe100:16 (default: "
-                   "pins,pc); names of variables need a COFF or ELF image")
+                   "signals to record: pins, registers, and memory with its width in bits, such as "
+                   "P50,pc,FRC,0xffe100:16 (default: pins,pc). Names of variables need a COFF or "
+                   "ELF image")
       ->delimiter(',')
       ->needs(vcd)
       ->type_name("NAMES");

@@ -32,19 +32,21 @@ void add_recover(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "file with notes that an interrupted run left; the message of that run names "
-                   "the file. Kaz also puts back "
-                   "the calibration, gains and limits in this file")
+                   "notes of the board's settings, in a file that an interrupted run left. The "
+                   "last message of that run names the file. Kaz also restores the calibration, "
+                   "gains and limits in these notes")
       ->type_name("FILE");
   verb->add_flag(
           "--port-changed", arguments->port_changed,
-          "accept the notes in --from for this board, although they were written for another port")
+          "use the notes in --from although they name another port, because the same board is now "
+          "at a new port")
       ->needs("--from");
   verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(
       "kaz recover searches all 14 addresses, switches the motors off and resets the board. The "
-      "reset clears latched faults. Then kaz recover sets the board's address. The calibration in "
-      "the board's flash is kept, or replaced by the calibration in --from.\n"
+      "reset clears latched faults. Then kaz recover sets the board's address. With --from, the "
+      "calibration in the notes replaces the calibration in the board's flash. Without --from, the "
+      "calibration in the flash does not change.\n"
       "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
       "port error.\n"
       "Examples:\n"

@@ -26,15 +26,16 @@ void add_replay(CLI::App& program, Action& action) {
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
                               "replay only the host, with the recorded bytes and pictures (the "
-                              "default if the recording has pictures)");
+                              "default if the recording has pictures, or if the behavior needs no "
+                              "pictures)");
   verb->add_flag("--whole", arguments->whole,
                  "run host and simulation again from the seed, and compare every message (the "
-                 "default if the recording has no pictures)")
+                 "default if the behavior needs pictures that the recording does not contain)")
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
                    "seed for the new run, instead of the seed in the recording; implies --whole")
       ->transform(whole_number());
-  add_settings(*verb, arguments->settings, "another value for an option of the behavior");
+  add_settings(*verb, arguments->settings, "for the new run, change an option of the behavior");
   verb->add_option("--plugin", arguments->replay.plugin,
                    "plug-in file, if the behavior of the run is a plug-in; a recording does not "
                    "contain the plug-in")
@@ -61,10 +62,9 @@ void add_replay(CLI::App& program, Action& action) {
       ->excludes("--view");  // which has no result
   verb->footer(
       "With --host, Kaz runs the behavior, the vision and the protocol again. Kaz then checks "
-      "whether the host sends the same bytes as in the recording. Kaz reports the first difference "
-      "with its time, its place in "
-      "the stream and its message. Use --host to test changed host programs with the recorded data "
-      "of a virtual robot.\n"
+      "whether the host sends the same bytes as in the recording. Kaz reports the first "
+      "difference: its time, its position in the stream of bytes, and the message that contains "
+      "it. Use --host to test changed host programs with the recorded data of a virtual robot.\n"
       "--view and --video only show the recording, and run nothing again. --view plays the "
       "recording until Ctrl-C; the page has controls to pause and jump. --video draws the film "
       "from the recorded poses.\n"

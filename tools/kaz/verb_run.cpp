@@ -155,8 +155,9 @@ std::string footer(const behavior::Behavior* behavior) {
   }
   return text +
          "Options of the virtual robot, such as --world or --mcu, are not valid with a robot at a "
-         "port (--robot serial:PATH). With a robot at a port, --faults can contain only faults of "
-         "the line. --robot-file describes the joints of a robot other than Kaz, also at a port.\n"
+         "port (--robot serial:PATH). With a robot at a port, the file in --faults can contain "
+         "only faults of the serial line. --robot-file describes the joints of a robot other than "
+         "Kaz, also at a port.\n"
          "Examples:\n" +
          examples_of(behavior);
 }
@@ -190,8 +191,8 @@ void add_run(CLI::App& program, Action& action) {
       ->capture_default_str()
       ->type_name("SECONDS");
   add_choice(*verb, "--when-lost", host::kReactions, session.backend.reaction,
-             "reaction of the board 90 ms after the last request: hold the posture, or switch the "
-             "motors off (limp)");
+             "reaction of the board if no request arrives for 90 ms: keep the posture (hold), or "
+             "switch the motors off (limp)");
   add_out(*verb, *arguments, "; without --out, no file is written");
   add_duration(*verb, *arguments,
                "the same as --set seconds=SECONDS, for " + timed_behaviors() +

@@ -14,19 +14,20 @@ void add_serve_port(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<ServePortOptions>();
   add_required_port(*verb, arguments->port);
   verb->add_option("--listen", arguments->listen,
-                   "address and port of this machine; 0.0.0.0 accepts clients on other machines, "
-                   "127.0.0.1 does not")
+                   "address and port of this machine at which Kaz accepts clients. With 127.0.0.1, "
+                   "only programs on this machine can connect; with 0.0.0.0, other machines can "
+                   "connect too")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   verb->add_flag("--raw", arguments->raw,
-                 "serve raw bytes, for clients with tcp:HOST:PORT (default: RFC 2217, for clients "
-                 "with rfc2217:HOST:PORT)");
+                 "serve raw bytes, for clients that use --robot tcp:HOST:PORT. Without --raw, the "
+                 "protocol is RFC 2217, for clients that use --robot rfc2217:HOST:PORT");
   verb->footer(
       "The port has no authentication: every client that can connect can move the robot. Keep the "
       "port on 127.0.0.1 and forward the port with ssh, or use a separate network for the robot. "
-      "Kaz disconnects clients that begin with text, as web browsers do. Only one client can "
-      "be connected at a time; other clients are rejected. If the connection to the board is lost, "
-      "Kaz connects again as soon as possible.\n"
+      "Kaz disconnects a client whose first bytes are text, such as a web browser. Only one client "
+      "can be connected at a time; other clients are rejected. If the connection to the board is "
+      "lost, Kaz connects again as soon as possible.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port error.\n"
       "Examples:\n"
       "  kaz serve-port --robot serial:/dev/ttyUSB0\n"

@@ -110,13 +110,15 @@ void add_sim(CLI::App& program, Action& action) {
   auto* fast = verb->add_flag("--fast", arguments->real_time.fast,
                               "run as fast as possible, not in real time");
   verb->add_option("--clock", arguments->real_time.clock_path,
-                   "follow an external clock, whose messages arrive at a Unix socket that is "
-                   "created at this path; simulated time stands still between the clock's messages")
+                   "take the simulated time from an external clock. Kaz creates a Unix socket at "
+                   "this path, and the clock sends the time to this socket. Between these "
+                   "messages, the simulation stands still")
       ->type_name("PATH")
       ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
-                   "file that keeps the board's calibration and address between runs; written at "
-                   "the end (Ctrl-C, SIGTERM, SIGHUP), but not if the simulator is killed")
+                   "file that keeps the board's calibration and address between runs. Kaz writes "
+                   "the file when Ctrl-C, SIGTERM or SIGHUP ends the simulator, but not if the "
+                   "simulator is killed")
       ->type_name("FILE");
   verb->add_flag("--erased", arguments->backend.erased,
                  "start with an empty flash, as in a new chip (to try kaz flash)");
@@ -133,9 +135,8 @@ void add_sim(CLI::App& program, Action& action) {
                      ->type_name("FILE");
   auto* stand = verb->add_flag(
       "--stand", arguments->backend.stand,
-      "simulate a motor stand instead of a robot, with a disc on the shaft of each motor. Commands "
-      "to the socket PATH.ctl control the clamp, the scale, the weight and the supply (for kaz "
-      "bench)");
+      "simulate a motor stand instead of a robot, with a disc on the shaft of each motor. kaz "
+      "bench operates the stand's clamp, scale, weight and supply through the control socket");
   auto bus = std::make_shared<std::string>();
   verb->add_option("--bus", *bus,
                    "simulate a servo bus instead of a servo board; the file bus.json beside "
@@ -151,10 +152,10 @@ void add_sim(CLI::App& program, Action& action) {
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch, false);
   verb->footer(
-      "The link behaves like a serial port with a board at the other end. The control socket "
-      "PATH.ctl, where PATH is the path in --serial, accepts one command per line, such as reset, "
-      "mode, power, plug, fault, stand and status. The command `help` lists all commands. Ctrl-C "
-      "ends the simulator, which then removes its link and sockets.\n"
+      "The symbolic link that --serial names behaves like a serial port with a board at the other "
+      "end. The control socket PATH.ctl, where PATH is the path in --serial, accepts one command "
+      "per line, such as reset, mode, power, plug, fault, stand and status. The command `help` "
+      "lists all commands. Ctrl-C ends the simulator, which then removes its link and sockets.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"

@@ -64,8 +64,9 @@ Result<Outcome> learn(const LearnArguments& arguments) {
     return Outcome(true);
   }
   print_lines(
-      "hue %.3f to %.3f rad, saturation from %.2f, lightness from %.0f; %.1f %% of the region and "
-      "%.2f %% of the rest of the picture have this color\nwritten: %s\n",
+      "color: hue %.3f to %.3f rad, saturation at least %.2f, lightness at least %.0f; %.1f %% of "
+      "the region and %.2f %% of the rest of the picture have this color\n"
+      "written: %s\n",
       learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
       learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
   if (!warning.empty()) print_lines("warning: %s\n", warning.c_str());
@@ -102,11 +103,12 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "find balls, depth, planes and motion in pictures from files, recordings or live cameras");
   auto options = std::make_shared<RecordedOptions>();
   auto* in = verb->add_option("--in", options->in,
-                              "source of the pictures: a folder, a recording (recording.mcap, made "
-                              "with --record-pictures), a camera socket (kaz sim --cameras), or "
-                              "two cameras at this machine: v4l2:LEFT,RIGHT[,fps=N][,format=NAME], "
-                              "such as v4l2:/dev/video0,/dev/video2. The pictures in a folder are "
-                              "used in the order of their names")
+                              "source of the pictures: a folder, one picture, a recording "
+                              "(recording.mcap, made with --record-pictures), a camera socket (kaz "
+                              "sim --cameras), or two cameras of this machine "
+                              "(v4l2:LEFT,RIGHT[,fps=N][,format=NAME], such as "
+                              "v4l2:/dev/video0,/dev/video2). The pictures in a folder are used in "
+                              "the order of their names")
                  ->type_name("SOURCE");
   auto* left = verb->add_option("--left", options->left,
                                 "left pictures of stereo pairs: a file name pattern in quotes")
@@ -132,9 +134,10 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
-                       "calibration file of the cameras, written by kaz calibrate stereo; required "
-                       "with --left and --right, with v4l2 cameras, and with a folder unless "
-                       "--view is given. Pictures in a folder count as pictures of the left eye")
+                       "calibration file of the cameras, written by kaz calibrate stereo. Stereo "
+                       "pairs (--left and --right) and v4l2 cameras need this file. A folder needs "
+                       "either this file or --view. Pictures in a folder count as pictures of the "
+                       "left eye")
           ->type_name("FILE");
   verb->add_option(
           "--view", options->view_deg,
@@ -148,16 +151,17 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->type_name("M");
   verb->add_option("--nearest", options->nearest_m,
                    "smallest distance for which depth is computed, m. A larger distance makes the "
-                   "computation faster, because Kaz then searches fewer disparities (in steps of "
-                   "16 px). With Kaz's eyes, values "
-                   "above 0.476 m (0.953 m with pictures 640 px wide) have no effect")
+                   "computation faster, because Kaz then searches fewer disparities (a multiple of "
+                   "16 px). With Kaz's eyes, the largest valid value is 0.476 m, or 0.953 m for "
+                   "pictures 640 px wide")
       ->check(between(0.001, 100.0))
       ->default_str("0.14")
       ->type_name("M");
   verb->add_option("--export", options->exported,
-                   "files to write for each frame: depth (FRAME.depth.png, 16 bits, in mm, 0 where "
-                   "unknown), points (FRAME.points.ply, in m, in the left eye's optical frame) or "
-                   "both (depth,points)")
+                   "files to write for each frame: depth, points, or both (depth,points). "
+                   "FRAME.depth.png contains the depth in mm as 16-bit values, and 0 where the "
+                   "depth is unknown. FRAME.points.ply contains points in m, in the left eye's "
+                   "optical frame")
       ->type_name("LIST");
   verb->add_option("--frames", options->frames,
                    "stop after N pairs of pictures, or after N single pictures")
@@ -172,8 +176,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "--json", options->json,
       "print result.json, without progress messages; the files in --out are written too");
   verb->footer(
-      "Exit status: 0 done, even if no ball was found; 1 no picture could be read; 2 wrong usage, "
-      "or no picture was found; 3 a camera or port failed or was lost, and the results so far are "
+      "Exit status: 0 done, even if no ball was found; 1 none of the pictures could be processed; "
+      "2 wrong usage, or no picture was found; 3 a camera or port failed, and earlier results are "
       "kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"

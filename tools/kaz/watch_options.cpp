@@ -67,8 +67,9 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
                 "wait until the first viewer has subscribed to a channel")
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
-                "let programs read all data (cameras, wire) without the token. Web pages from "
-                "other servers cannot read the data, and controlling the run still needs the token")
+                "let programs read all data, such as pictures and messages, without the token. Web "
+                "pages of other servers still need the token, and so does every program that "
+                "controls the run")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,
