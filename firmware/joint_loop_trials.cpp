@@ -398,7 +398,8 @@ int run(const Options& options) {
   if (h8s::translator_available() && calls - from > kWarmUpCalls && share < kMinTranslated)
     return fail(
         1,
-        "the translator executed too few instructions, so these trials hardly test the translator");
+        "these trials hardly test the translator, because too few instructions ran as translated "
+        "code");
   return 0;
 }
 

@@ -146,8 +146,8 @@ class LinkBench {
     KAZ_TRY(options_.allow_motion ? line_.with_joints_on(run) : run());
     judge_.enter(kSubject, "link.cycle_rate", rate_hz, 0,
                  options_.allow_motion ? ""
-                                       : "with the joints off; the board then refuses the targets, "
-                                         "but the measured rate is the same");
+                                       : "measured with the joints off: the board refuses the "
+                                         "targets, but replies at the same rate");
     return {};
   }
 

@@ -229,8 +229,8 @@ void add_group_cases(ServoCases cases) {
 
 void add_instruction_cases(ServoCases cases) {
   cases.add("instructions.reg-write",
-            "A reg write is executed only after an action to the servo's id.", "packet",
-            [](ExaminedServo& servo) {
+            "The servo executes a reg write only after it receives an action instruction.",
+            "packet", [](ExaminedServo& servo) {
               const ServoRow& row = profile(servo);
               const ServoRow& waits = servo.table().row("Registered Instruction");
               servo.keep(row);
@@ -247,7 +247,8 @@ void add_instruction_cases(ServoCases cases) {
             });
   cases.add(
       "instructions.status-return-level",
-      "At status return level 1 only pings and reads are answered, and at level 0 only pings.",
+      "At status return level 0, the servo answers only pings; at level 1, it answers pings and "
+      "reads.",
       "packet", [](ExaminedServo& servo) {
         const ServoRow& level = servo.table().row("Status Return Level");
         const auto level_to = [&](int value) {
@@ -271,7 +272,7 @@ void add_instruction_cases(ServoCases cases) {
       });
   cases.add(
       "instructions.indirect",
-      "Reading or writing Indirect Data 1 accesses the byte at the address in Indirect Address 1.",
+      "A read or write of Indirect Data 1 goes to the address that Indirect Address 1 contains.",
       "registers", [](ExaminedServo& servo) {
         const ServoTable& table = servo.table();
         servo.keep(led(servo));

@@ -72,21 +72,23 @@ void add_packet_cases(ServoCases cases) {
 }
 
 void add_instruction_cases(ServoCases cases) {
-  cases.add(
-      "instructions.reg-write", "A reg write is executed only after an action to the servo's id.",
-      "packet", [](ExaminedServo& servo) {
-        const ServoRow& row = probe(servo);
-        const ServoRow& waits =
-            *servo.table().find({"asynchronous write flag", "asynchronous flag"});
-        servo.keep(row);
-        const long before = servo.value(row), other = before == 7 ? 8 : 7;
-        servo.answer(kRegWrite, servo.write_of(row.address, encode(servo.table(), row, other)));
-        equal(row.what + " before the action", servo.value(row), before);
-        equal(waits.what + " before the action", servo.value(waits), 1);
-        servo.answer(kAction);
-        equal(row.what + " after the action", servo.value(row), other);
-        equal(waits.what + " after the action", servo.value(waits), 0);
-      });
+  cases.add("instructions.reg-write",
+            "The servo executes a reg write only after it receives an action "
+            "instruction.",
+            "packet", [](ExaminedServo& servo) {
+              const ServoRow& row = probe(servo);
+              const ServoRow& waits =
+                  *servo.table().find({"asynchronous write flag", "asynchronous flag"});
+              servo.keep(row);
+              const long before = servo.value(row), other = before == 7 ? 8 : 7;
+              servo.answer(kRegWrite,
+                           servo.write_of(row.address, encode(servo.table(), row, other)));
+              equal(row.what + " before the action", servo.value(row), before);
+              equal(waits.what + " before the action", servo.value(waits), 1);
+              servo.answer(kAction);
+              equal(row.what + " after the action", servo.value(row), other);
+              equal(waits.what + " after the action", servo.value(waits), 0);
+            });
   cases.add("instructions.sync-write", "A sync write is executed and not answered.", "packet",
             [](ExaminedServo& servo) {
               const ServoRow& row = probe(servo);

@@ -17,8 +17,8 @@ constexpr std::pair<const char*, const char*> kNeverWritten[] = {
     {"Baud Rate", "the servo would become unreachable"},
     {"Protocol Type", "the servo would become unreachable"},
     {"Secondary ID", "the servo would execute another servo's requests"},
-    {"return delay", "answers would come at other times"},
-    {"Return Delay Time", "answers would come at other times"},
+    {"return delay", "the servo would answer after a different delay"},
+    {"Return Delay Time", "the servo would answer after a different delay"},
     {"response", "answers would stop"},
     {"Status Return Level", "other cases write this register"},
     {"lock", "EEPROM would change"},
@@ -27,17 +27,17 @@ constexpr std::pair<const char*, const char*> kNeverWritten[] = {
     {"Operating Mode", "switching the torque on would turn the shaft"},
     {"Drive Mode", "switching the torque on would turn the shaft"},
     {"Startup Configuration", "the next power-on would turn the shaft"},
-    {"position correction", "the next goal would refer to another position"},
-    {"Homing Offset", "the next goal would refer to another position"},
+    {"position correction", "the same goal would mean a different position of the shaft"},
+    {"Homing Offset", "the same goal would mean a different position of the shaft"},
     {"torque switch", "the servo would hold the shaft"},
     {"Torque Enable", "the servo would hold the shaft"},
     {"Bus Watchdog", "the servo would reject later goals"},
     {"target location", "a write would switch the torque on"},
     {"goal position", "a write would switch the torque on"},
     {"Goal", "a write can switch the torque on"},
-    {"operation time or PWM", "in one mode, the value is a duty"},
-    {"operation speed", "in one mode, the value is a speed"},
-    {"goal time", "in one mode, the value is a duty"},
+    {"operation time or PWM", "in one operating mode, this register sets the motor's duty"},
+    {"operation speed", "in one operating mode, this register sets the motor's speed"},
+    {"goal time", "in one operating mode, this register sets the motor's duty"},
     {"Indirect Data", "a write would change the mapped register"},
 };
 
@@ -114,7 +114,9 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
                 within("value", servo.value(row), row.min, row.max);
               });
             });
-  cases.add("registers.block", "A read of several registers returns the bytes of each register.",
+  cases.add("registers.block",
+            "A read of several registers returns the same values as separate "
+            "reads.",
             "registers", [](ExaminedServo& servo) {
               // EEPROM does not change by itself: rows that follow one another without a gap.
               std::vector<const ServoRow*> run;
@@ -157,7 +159,9 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
         check(servo.value(row) != 0, name_of(row) + " was overwritten with 0");
       });
   cases.add(
-      "registers.eeprom", "Each EEPROM register accepts an adjacent value, and then its old value.",
+      "registers.eeprom",
+      "Each EEPROM register can be changed by 1, and then back to its old "
+      "value.",
       "registers",
       [](ExaminedServo& servo) {
         for_rows(servo, [&](const ServoRow& row) {

@@ -95,7 +95,8 @@ void add_lock(Chapter& to) {
 
 void add_raw(Chapter& to) {
   to.add(
-      "raw", "`raw_drive` sets RAW_DRIVE for its duration; then the motor is off.", "BENCH-3",
+      "raw", "`raw_drive` sets the flag RAW_DRIVE for the requested time. Then the motor is off.",
+      "BENCH-3",
       [](Board& b) {
         unlock(b);
         check(b.done("raw_drive", drive(0, 40, 100)).flag(KZ_STATUS_RAW_DRIVE),
@@ -298,7 +299,7 @@ void add_restarts(Chapter& to) {
         const long before = b.state()["tick"];
         b.reset_by_command();
         const Reply who = b.done("identify");
-        check(who["tick"] < before + 100, "the tick did not restart");
+        check(who["tick"] < before + 100, "the reset did not restart the tick counter");
         equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
       },
       kNothing);
@@ -318,7 +319,9 @@ void add_restarts(Chapter& to) {
       },
       kNothing);
   to.add(
-      "loader", "`loader` stops the application, which restarts after 3 s with cause COMMAND.",
+      "loader",
+      "`loader` stops the application. After 3 s, the application restarts with cause "
+      "COMMAND.",
       "BENCH-7",
       [](Board& b) {
         b.done("loader", Put().u16(KZ_KEY));

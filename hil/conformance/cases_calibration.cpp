@@ -53,7 +53,7 @@ void expect_valid(Board& b) {
   } else {
     equal("source", now["source"], KZ_CALIBRATION_NOMINAL);
     check(values_of(now) == nominal(),
-          "the board has no stored copy, but the values are not nominal");
+          "the board has no stored calibration, but does not use the nominal values");
   }
 }
 
@@ -183,7 +183,7 @@ void add_store(Chapter& to) {
           b.done("calibrate", calibrate_all(wanted));
           const Reply stored = b.done("store_calibration", {}, 3000);
           check(stored["sequence"] != number && stored["sequence"] != 0,
-                "the copy has the number of the previous copy");
+                "the new copy has the same number as the previous copy");
           b.reset_by_command();
           const Reply after = b.done("calibration");
           check(values_of(after) == wanted, "the stored values are not used after the reset");
@@ -194,7 +194,9 @@ void add_store(Chapter& to) {
       },
       kFlash);
   to.add(
-      "store-answers", "`store_calibration` replies within 3 s, and each copy has the next number.",
+      "store-answers",
+      "`store_calibration` replies within 3 s and increases the number of the "
+      "copy by 1.",
       "CAL-3",
       [](Board& b) {
         long number = b.done("calibration")["sequence"];
@@ -219,7 +221,8 @@ void add_store(Chapter& to) {
         const long erases = stored["erases_a"] + stored["erases_b"];
         within("erasures for 13 copies", erases - before["erases_a"] - before["erases_b"], 1, 4);
         b.reset_by_command();
-        equal("number after a reset", b.done("calibration")["sequence"], stored["sequence"]);
+        equal("number of the copy after a reset", b.done("calibration")["sequence"],
+              stored["sequence"]);
       },
       kFlash | kBench);  // 13 copies are much for the life of a real part
   to.add(

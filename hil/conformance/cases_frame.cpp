@@ -154,20 +154,20 @@ void add_damage(Chapter& to) {
     }
     equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
   });
-  to.add("damaged-then-whole", "An intact frame after a damaged byte is received.", "FRAME-5",
-         [](Board& b) {
+  to.add("damaged-then-whole", "After a damaged byte, the next intact frame is received.",
+         "FRAME-5", [](Board& b) {
            damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
              wire[at] = static_cast<std::uint8_t>(wire[at] ^ (1 + b.random()() % 255));
            });
          });
-  to.add("lost-then-whole", "An intact frame after a lost byte is received.", "FRAME-5",
+  to.add("lost-then-whole", "After a lost byte, the next intact frame is received.", "FRAME-5",
          [](Board& b) {
            damaged_then_whole(b, [](Bytes& wire, std::size_t at) {
              wire.erase(wire.begin() + static_cast<std::ptrdiff_t>(at));
            });
          });
-  to.add("inserted-then-whole", "An intact frame after an inserted byte is received.", "FRAME-5",
-         [](Board& b) {
+  to.add("inserted-then-whole", "After an inserted byte, the next intact frame is received.",
+         "FRAME-5", [](Board& b) {
            damaged_then_whole(b, [&](Bytes& wire, std::size_t at) {
              wire.insert(wire.begin() + static_cast<std::ptrdiff_t>(at),
                          static_cast<std::uint8_t>(b.random()()));
@@ -184,8 +184,9 @@ void add_damage(Chapter& to) {
            b.take("heartbeat", first);  // the next frame's zero ended it
            b.take("heartbeat", second);
          });
-  to.add("burst-then-whole", "An intact frame after a burst of 20 damaged bytes is received.",
-         "FRAME-5", [](Board& b) {
+  to.add("burst-then-whole",
+         "After a burst of 20 damaged bytes, the next intact frame is received.", "FRAME-5",
+         [](Board& b) {
            for (int n = 0; n < 20; ++n) {
              std::uint8_t sequence;
              Bytes wire = b.request_bytes("read_targets", Put().u32(0x01010101 & KZ_ALL_JOINTS));
@@ -299,7 +300,7 @@ void add_counts(Chapter& to) {
       },
       kBench);
   to.add(
-      "break", "A damaged zero (a break) does not end a frame.", "FRAME-10",
+      "break", "A zero byte with a framing error (a break) does not end a frame.", "FRAME-10",
       [](Board& b) {
         std::uint8_t sequence;
         Bytes wire = valid_frame(b, sequence);
@@ -368,10 +369,11 @@ void add_contents(Chapter& to) {
              equal("upper limit", set["upper"], value);
            }
          });
-  to.add("all-zeros", "Fields that are all zero are received.", "FRAME-12", [](Board& b) {
-    b.done("targets", Bytes(6, 0));
-    b.done("gains", Bytes(11, 0));
-  });
+  to.add("all-zeros", "A request with only zeros in its fields is received.", "FRAME-12",
+         [](Board& b) {
+           b.done("targets", Bytes(6, 0));
+           b.done("gains", Bytes(11, 0));
+         });
   to.add("random-contents", "200 frames with random contents are all received.", "FRAME-12",
          [](Board& b) {
            for (int n = 0; n < 200; ++n) {

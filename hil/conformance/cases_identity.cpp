@@ -17,7 +17,9 @@ void add_identity_cases(Cases& all) {
                                  KZ_CAPABILITY_RAW_DRIVE | KZ_CAPABILITY_LOADER;
            equal("capabilities", who["capabilities"], expected);
          });
-  to.add("version-place", "The protocol version is the fifth byte of the fields of `identify`.",
+  to.add("version-place",
+         "In the fields of the reply to `identify`, the fifth byte is the "
+         "protocol version.",
          "ID-1", [](Board& b) {
            equal("fifth byte", b.done("identify").frame().fields[4], KZ_PROTOCOL_VERSION);
          });
@@ -29,8 +31,8 @@ void add_identity_cases(Cases& all) {
            equal("reaction", who["reaction"], KZ_REACTION_LIMP);
          });
   to.add("watchdog-set",
-         "`heartbeat` sets the watchdog's limit and reaction. If a field is 0, its old value is "
-         "kept. `identify` reports the limit and the reaction.",
+         "`heartbeat` sets the watchdog's limit and reaction. A field with the value 0 leaves its "
+         "setting unchanged. `identify` reports the limit and the reaction.",
          "ID-1", [](Board& b) {
            b.watchdog(25, KZ_REACTION_HOLD);
            b.watchdog(0, 0);
@@ -62,7 +64,9 @@ void add_identity_cases(Cases& all) {
   });
   to.add(
       "self-test-failed",
-      "A converter that fails at start causes a shutdown that `clear` cannot reset.", "ID-3",
+      "If the A/D converter fails its self-test at start, the board shuts down, and `clear` is "
+      "refused.",
+      "ID-3",
       [](Board& b) {
         b.bench().set_analog(KZ_ANALOG_REFERENCE, 400);
         b.bench().reset();
@@ -117,7 +121,7 @@ void add_identity_cases(Cases& all) {
     const Reply counts = b.statistics();
     equal("missed ticks", counts["missed_ticks"], 0);
     check(counts["worst_8states"] >= counts["busy_8states"],
-          "the worst tick is shorter than the last one");
+          "the longest tick is reported as shorter than the last tick");
     check(!counts.flag(KZ_STATUS_MISSED_TICK), "MISSED_TICK is set");
   });
 }

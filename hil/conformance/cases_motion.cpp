@@ -130,7 +130,10 @@ void add_enable(Chapter& to) {
            b.enable(1);
          });
   to.add(
-      "enable-nothing-while-latched", "An empty mask is always accepted.", "MOVE-3",
+      "enable-nothing-while-latched",
+      "`enable` with an empty mask is accepted even while a "
+      "shutdown is latched.",
+      "MOVE-3",
       [](Board& b) {
         b.done("stop");
         equal("mask", b.done("enable", Put().u32(0))["mask"], 0);
@@ -138,7 +141,7 @@ void add_enable(Chapter& to) {
       kNothing);
   for (const int code : {0, 3, 1020, 1023}) {
     to.add(("enable-pot-" + std::to_string(code)).c_str(),
-           "`enable` is refused while a potentiometer in its mask reads code " +
+           "`enable` is refused for a joint whose potentiometer reads A/D code " +
                std::to_string(code) + ".",
            "MOVE-3",
            [code](Board& b) {
@@ -302,7 +305,9 @@ void add_reading(Chapter& to) {
         }
       },
       kNothing);
-  to.add("read-targets-on", "`read_targets` reports the end of the ramp, not its present value.",
+  to.add("read-targets-on",
+         "During a ramp, `read_targets` reports the target, not the present "
+         "command.",
          "MOVE-7", [](Board& b) {
            b.enable(1);
            const long goal = some_way(b, 0, 3000);

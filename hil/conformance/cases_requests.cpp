@@ -219,7 +219,8 @@ void add_queue(Chapter& to) {
     b.silence(20);
   });
   to.add("last-of-many-busy",
-         "If several requests exceed the queue, only the last of these requests is answered.",
+         "If several requests do not fit in the queue, only the last of these requests gets a "
+         "refusal.",
          "REQ-10", [](Board& b) {
            std::uint8_t number[4];
            Bytes wire;
@@ -238,7 +239,7 @@ void add_queue(Chapter& to) {
                    "a request was answered although a later request had replaced it");
              last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
            }
-           equal("replies after the first", answers, 2);
+           equal("replies after the reply to `state`", answers, 2);
            check(last, "the last request was not refused");
          });
   to.add("busy-not-done", "A request refused with BUSY is not executed.", "REQ-10", [](Board& b) {
@@ -251,7 +252,9 @@ void add_queue(Chapter& to) {
     check(who["watchdog_10ms"] != 66 && who["reaction"] != KZ_REACTION_HOLD,
           "a request that was refused with BUSY was executed");
   });
-  to.add("stop-overtakes", "`stop` is executed while a reply is being sent and a request waits.",
+  to.add("stop-overtakes",
+         "`stop` is executed at once, even while the board sends a reply and "
+         "another request waits.",
          "REQ-11", [](Board& b) {
            const std::uint8_t first = b.new_sequence(), second = b.new_sequence(),
                               stop = b.new_sequence();
@@ -271,13 +274,14 @@ void add_queue(Chapter& to) {
            check(stopped, "`stop` waited until the board had answered another request");
            check(answered, "`stop` was not answered");
          });
-  to.add("stop-repeated", "A repeated `stop` is latched again.", "REQ-12", [](Board& b) {
-    const Repeated stop(b, "stop");
-    b.done("clear");
-    equal("reason in the reply", stop.again().reason(), KZ_SHUTDOWN_STOP);
-    equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_STOP);
-    equal("repetitions", b.statistics()["repetitions"], 0);
-  });
+  to.add("stop-repeated", "If `stop` is repeated after `clear`, the shutdown is latched again.",
+         "REQ-12", [](Board& b) {
+           const Repeated stop(b, "stop");
+           b.done("clear");
+           equal("reason in the reply", stop.again().reason(), KZ_SHUTDOWN_STOP);
+           equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_STOP);
+           equal("repetitions", b.statistics()["repetitions"], 0);
+         });
 }
 
 // Each repetition here is known: at most three other requests are between.
@@ -323,7 +327,8 @@ void add_switching_off(Chapter& to) {
       kMotion);
   to.add(
       "enable-repeated",
-      "A repeated `enable` switches off the joints outside its mask, but switches no joint on.",
+      "A repeated `enable` switches off the joints outside its mask, but does not switch on any "
+      "joint.",
       "REQ-12",
       [](Board& b) {
         const Repeated enable(b, "enable", Put().u32(0x5));
@@ -336,7 +341,9 @@ void add_switching_off(Chapter& to) {
       kMotion);
   to.add(
       "clear-repeated",
-      "A repeated `clear` switches held joints off, but keeps the shutdown reason.", "REQ-12",
+      "If the link watchdog holds joints, a repeated `clear` switches the joints off, but keeps "
+      "the shutdown reason.",
+      "REQ-12",
       [](Board& b) {
         b.watchdog(0, KZ_REACTION_HOLD);
         const Repeated clear(b, "clear");
@@ -363,8 +370,8 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "A repeated `raw_drive` ends the raw drive of another motor, but starts no "
-                     "raw drive.",
+                   : "A repeated `raw_drive` ends the raw drive of another motor, but does not "
+                     "start its own raw drive again.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));

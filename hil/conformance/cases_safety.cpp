@@ -155,13 +155,13 @@ void add_stop(Chapter& to) {
 void add_sensors(Chapter& to) {
   for (const int code : {0, KZ_POT_LOWEST - 1, KZ_POT_HIGHEST + 1, 1023}) {
     to.add("pot-" + std::to_string(code),
-           "A potentiometer at code " + std::to_string(code) + " causes the shutdown POT.",
+           "A potentiometer with A/D code " + std::to_string(code) + " causes the shutdown POT.",
            "SAFE-9",
            [code](Board& b) { shut_down_by(b, 1, code, KZ_SHUTDOWN_POT, 1, KZ_POT_FAULT_MS); });
   }
   for (const int code : {KZ_POT_LOWEST, KZ_POT_HIGHEST}) {
     to.add("pot-valid-" + std::to_string(code),
-           "A potentiometer at code " + std::to_string(code) + " is valid.", "SAFE-9",
+           "A potentiometer with A/D code " + std::to_string(code) + " is valid.", "SAFE-9",
            [code](Board& b) {
              b.enable(0x1);
              b.bench().set_analog(1, code);  // of a joint whose angle moves nothing
@@ -245,7 +245,8 @@ void add_sensors(Chapter& to) {
   for (const int code : {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE - 2,
                          KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE + 2}) {
     to.add("reference-" + std::to_string(code),
-           "A reference at code " + std::to_string(code) + " causes the shutdown REFERENCE.",
+           "A reference voltage with A/D code " + std::to_string(code) +
+               " causes the shutdown REFERENCE.",
            "SAFE-12", [code](Board& b) {
              shut_down_by(b, KZ_ANALOG_REFERENCE, code, KZ_SHUTDOWN_REFERENCE, kNoDetail,
                           KZ_REFERENCE_FAULT_MS);
@@ -254,7 +255,7 @@ void add_sensors(Chapter& to) {
   for (const int code :
        {KZ_REFERENCE_CODE - KZ_REFERENCE_TOLERANCE, KZ_REFERENCE_CODE + KZ_REFERENCE_TOLERANCE}) {
     to.add("reference-valid-" + std::to_string(code),
-           "A reference at code " + std::to_string(code) + " is valid.", "SAFE-12",
+           "A reference voltage with A/D code " + std::to_string(code) + " is valid.", "SAFE-12",
            [code](Board& b) { no_shut_down(b, KZ_ANALOG_REFERENCE, code, 100); });
   }
 }
@@ -312,7 +313,10 @@ void add_motors(Chapter& to) {
       },
       kMotion);
   to.add(
-      "flash-is-no-missed-tick", "Ticks lost to a flash write do not count as missed.", "SAFE-14",
+      "flash-is-no-missed-tick",
+      "Ticks that are lost during a flash write do not count as missed "
+      "ticks.",
+      "SAFE-14",
       [](Board& b) {
         b.done("store_calibration", {}, 3000);
         const Reply counts = b.statistics();

@@ -98,7 +98,7 @@ void add_settings_cases(Cases& all) {
       },
       kMotion | kBench);
   to.add(
-      "friction", "Friction compensation is added in the direction of the error.", "SET-1",
+      "friction", "Friction compensation adds a duty with the sign of the error.", "SET-1",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(256).u16(0).u16(20).u8(51));  // 1 /rad, 0.2 of full duty
         drive_within(drive_at_error(b, 0.05), 0.22, 0.28);

@@ -59,18 +59,19 @@ void add_masked_lengths(Cases& to, const Message& request) {
   bool masked = false;
   for (const Field& field : request.fields) masked |= field.masked;
   if (!masked) return;
-  to.push_back(
-      {"length." + request.name + ".mask",
-       "`" + request.name + "` with more or fewer numbers than mask bits is refused with LENGTH.",
-       {"REQ-4"},
-       kNothing,
-       [&request](Board& b) {
-         Bytes fields = legal_fields(request, 0, 0x3);
-         fields.resize(fields.size() - 2);
-         b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
-         fields.resize(fields.size() + 4);
-         b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
-       }});
+  to.push_back({"length." + request.name + ".mask",
+                "`" + request.name +
+                    "` is refused with LENGTH if the number of values differs from the "
+                    "number of bits set in its mask.",
+                {"REQ-4"},
+                kNothing,
+                [&request](Board& b) {
+                  Bytes fields = legal_fields(request, 0, 0x3);
+                  fields.resize(fields.size() - 2);
+                  b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
+                  fields.resize(fields.size() + 4);
+                  b.refused(request.name, fields, KZ_REFUSED_LENGTH, kNoDetail);
+                }});
 }
 
 void add_bounds(Cases& to, const Message& request, int index) {
@@ -98,7 +99,7 @@ void add_bounds(Cases& to, const Message& request, int index) {
   if (request.code == KZ_TYPE_joints) high = (1 << KZ_JOINTS_PER_REPLY) - 1;
   to.push_back(
       {"range." + name + ".inside",
-       "`" + name + "` at its bounds is not refused with RANGE.",
+       "`" + name + "` with its lowest or highest value is not refused with RANGE.",
        {"REQ-5"},
        moves ? kMotion : kNothing,
        [&request, index, low = field.low, high](Board& b) {

@@ -24,7 +24,8 @@ void add_telemetry_cases(Cases& all) {
   Chapter to(all, "telemetry", kNothing);
   for (int n = 0; n < 4; ++n) {
     to.add(std::string("frame-") + kFrames[n],
-           "Only the selected frame is sent, once in each period.", "TEL-1", [n](Board& b) {
+           "The board sends only the selected telemetry frame, once per period.", "TEL-1",
+           [n](Board& b) {
              const long first_tick = b.done("telemetry", Put().u16(20).u8(1 << n))["tick"];
              long last = first_tick;
              const auto frames = b.telemetry(210, true);
@@ -88,7 +89,7 @@ void add_telemetry_cases(Cases& all) {
              const auto frames = b.telemetry(period * 10 + 5, true);
              within("frames", static_cast<long>(frames.size()), 8, 11);
              // Replies to the heartbeats come before telemetry: some frames wait for them.
-             within("ticks from first to last",
+             within("ticks from the first to the last frame",
                     read(frames.back())["tick"] - read(frames.front())["tick"],
                     period * (static_cast<long>(frames.size()) - 1) - 4,
                     period * (static_cast<long>(frames.size()) + 1));
@@ -100,7 +101,7 @@ void add_telemetry_cases(Cases& all) {
     const Reply ended = b.done("telemetry", Put().u16(0).u8(0));
     check(!ended.flag(KZ_STATUS_TELEMETRY), "TELEMETRY is set");
     b.telemetry(20, true);
-    equal("frames after the end", static_cast<long>(b.telemetry(100, true).size()), 0);
+    equal("frames after telemetry has ended", static_cast<long>(b.telemetry(100, true).size()), 0);
   });
   to.add("none-selected", "With selection 0, no frame is sent.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(10).u8(0));
@@ -147,16 +148,18 @@ void add_telemetry_cases(Cases& all) {
            }
          });
   to.add("ends-with-link",
-         "Telemetry ends when the link watchdog's limit passes without a request, even while the "
+         "If no request arrives within the link watchdog's limit, telemetry ends, even while the "
          "motors are off.",
          "TEL-4", [](Board& b) {
            b.done("telemetry", Put().u16(10).u8(1));
            const auto frames = b.telemetry(300, false);
-           within("frames during the silence", static_cast<long>(frames.size()), 6, 10);
+           within("frames while the host sends no requests", static_cast<long>(frames.size()), 6,
+                  10);
            const Reply state = b.state();
            check(!state.flag(KZ_STATUS_TELEMETRY), "TELEMETRY is set");
            equal("shutdown reason", state.reason(), KZ_SHUTDOWN_NONE);
-           equal("frames after the end", static_cast<long>(b.telemetry(60, true).size()), 0);
+           equal("frames after telemetry has ended",
+                 static_cast<long>(b.telemetry(60, true).size()), 0);
          });
   to.add("lives-with-link", "Telemetry continues while the host sends requests.", "TEL-4",
          [](Board& b) {

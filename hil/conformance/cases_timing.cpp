@@ -41,7 +41,10 @@ void add_timing_cases(Cases& all) {
     }
   });
   to.add(
-      "fresh-angle", "The angle in `state_reply` is at most 1 ms older than its tick.", "TIME-2",
+      "fresh-angle",
+      "The angle in `state_reply` was sampled at most 1 ms before the reply's "
+      "`tick`.",
+      "TIME-2",
       [](Board& b) {
         for (int n = 0; n < 8; ++n) {
           b.wait(3 + n % 2);
@@ -56,8 +59,7 @@ void add_timing_cases(Cases& all) {
       },
       kBench);
   to.add(
-      "targets-effect", "Targets take effect one tick after the tick that receives the request.",
-      "TIME-3",
+      "targets-effect", "Targets that arrive in one tick take effect in the next tick.", "TIME-3",
       [](Board& b) {
         b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(0));
         b.done("limits", Put().u32(1).u16(KZ_RAMP_MAX).s16(-15000).s16(15000));

@@ -16,8 +16,8 @@ void lose_link(Board& b, int limit_ms) {
   b.wait(limit_ms + 30);
   const Reply health = b.health();
   equal("reason", health.reason(), KZ_SHUTDOWN_LINK_LOST);
-  within("silence until the reaction, ms", health["shutdown_tick"] - last, limit_ms - 1,
-         limit_ms + 2);
+  within("time from the last request to the reaction, ms", health["shutdown_tick"] - last,
+         limit_ms - 1, limit_ms + 2);
 }
 
 // Talks for 300 ms in a way that must not feed the watchdog of 90 ms.
@@ -155,8 +155,8 @@ void add_reactions(Chapter& to) {
     b.wait(150);
     b.expect_off();
   });
-  to.add("hold", "HOLD: the motors stay on, with HOLDING set and reason LINK_LOST.", "SAFE-7",
-         [](Board& b) {
+  to.add("hold", "HOLD: the motors stay on, HOLDING is set, and the shutdown reason is LINK_LOST.",
+         "SAFE-7", [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(0x3);
            b.wait(150);
@@ -177,7 +177,8 @@ void add_reactions(Chapter& to) {
            b.wait(200);
            check(!b.state().flag(KZ_STATUS_MOVING), "MOVING is set");
            const long at = b.angle(0);
-           within("distance until the reaction", goal > from ? at - from : from - at, 200, 1400);
+           within("distance moved before the reaction", goal > from ? at - from : from - at, 200,
+                  1400);
            for (int n = 0; n < 5; ++n) {
              b.wait(60);
              within("angle while holding", b.angle(0), at - kHunting, at + kHunting);

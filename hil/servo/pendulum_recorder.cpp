@@ -151,8 +151,8 @@ class Recorder {
       return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)
       return wrong(Fault::usage,
-                   "has an unlocked EEPROM, which would keep the changed gains: write 1 to its "
-                   "register `lock`");
+                   "has an unlocked EEPROM, so the changed gains would remain after power-off: "
+                   "write 1 to its register `lock`");
     return {};
   }
 
@@ -263,9 +263,9 @@ class Recorder {
     if (servo_.zero - reach < from || servo_.zero + reach > to) {
       char text[200];
       std::snprintf(text, sizeof text,
-                    "hangs at step %.0f and swings %.0f steps to each side, but the range is %.0f "
-                    "to %.0f: put "
-                    "the horn on so that the arm hangs near the middle, or reduce --amplitude",
+                    "rests at step %.0f and swings %.0f steps to each side, but its range is steps "
+                    "%.0f to %.0f: put the horn on so that the arm hangs near the middle of the "
+                    "range, or reduce --amplitude",
                     servo_.zero, reach, from, to);
       return wrong(Fault::usage, text);
     }

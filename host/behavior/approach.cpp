@@ -231,8 +231,9 @@ Result<Approached> approach(BodyControl& body) {
 
 namespace {
 
-constexpr Option kOptions[] = {
-    {"turns", "3", "", 0, 3, "quarter turns of the body during the search", true}};
+constexpr Option kOptions[] = {{"turns", "3", "", 0, 3,
+                                "maximum number of quarter turns of the body during the search",
+                                true}};
 
 Result<Outcome> run(Context& context) {
   auto body = KAZ_TRY(BodyControl::begin(context, kApproachBall.name));

@@ -20,7 +20,7 @@ using motion::Pickup;
 constexpr Option kOptions[] = {
     {"tries", "4", "", 1, 20, "maximum number of tries", true},
     {"hold", "3", "", 0.5, 60, "time for which the robot holds the ball, s"},
-    {"turns", "3", "", 0, 3, "quarter turns of the body during the search", true},
+    {"turns", "3", "", 0, 3, "maximum number of quarter turns of the body during the search", true},
     {"seconds", "300", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 

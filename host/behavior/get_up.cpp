@@ -190,8 +190,8 @@ Result<Outcome> run(Context& context) {
   const auto inertial = KAZ_TRY(context.robot.sense_inertial());
   if (!inertial)
     return fail(Fault::usage,
-                "get-up needs an accelerometer, and the board has none: fit one, or give --imu for "
-                "the virtual robot");
+                "get-up needs an accelerometer, but the board has no accelerometer: add one, or "
+                "give --imu for the virtual robot");
   if (auto set = context.robot.set_limits(host::kAllJoints, {.ramp_rad_per_s = kRamp}); !set)
     return tl::unexpected(set.error());
   GettingUp getting_up(context);

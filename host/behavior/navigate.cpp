@@ -28,16 +28,15 @@ using Eigen::Vector2d;
 
 constexpr Option kOptions[] = {
     {"goal", "1.2,0.1", "X,Y or X,Y,HEADING or ball", 0, 0,
-     "position in m ahead and to the left of the start, at most 3 m away; heading in degrees, "
-     "positive to the left, at most 360; ball: find and catch the ball",
+     "X,Y: position in m ahead and to the left of the start, at most 3 m away; HEADING: degrees to "
+     "the left, at most 360; ball: find and catch the ball",
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
-     "paths over floor that was not seen yet: costly doubles their cost, closed forbids such "
-     "paths"},
+     "costly: paths over unseen floor cost twice as much; closed: no paths over unseen floor"},
     {"planner", "grid", "grid|ompl", 0, 0,
-     "grid: a search over cells and headings; ompl: random poses (OMPL's ABIT*), not valid with "
-     "turns=paper"},
+     "grid: searches over cells and headings; ompl: samples random poses (OMPL's ABIT*), and is "
+     "only valid with turns=steered"},
     {"seconds", "600", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 

@@ -124,8 +124,9 @@ Result<Behavior> load_behavior(const std::string& path) {
   const auto factory = reinterpret_cast<Factory>(dlsym(object, kPluginSymbol));
   if (factory == nullptr)
     return fail(Fault::usage, path + " does not export `" + std::string(kPluginSymbol) +
-                                  "`: end its source with KAZ_BEHAVIOR_PLUGIN(behavior), or "
-                                  "rebuild the plug-in if it was built for another Kaz");
+                                  "`: end the plug-in's source with KAZ_BEHAVIOR_PLUGIN(behavior), "
+                                  "or rebuild the plug-in if it was built for another version of "
+                                  "Kaz");
   const Plugin* plugin = nullptr;
   try {
     plugin = factory();

@@ -17,7 +17,10 @@ namespace {
 
 constexpr Option kOptions[] = {
     {"seconds", "100", "", 0.1, 3600, "time after which the behavior gives up, s"},
-    {"turns", "3", "", 0, 3, "quarter turns of the body, each after a scan without a ball", true}};
+    {"turns", "3", "", 0, 3,
+     "maximum number of quarter turns of the body; the head scans for the "
+     "ball before and after each turn",
+     true}};
 
 // At 90 degrees/s an object stays in a view 80 degrees wide for 0.9 s: 26 images at 30 Hz.
 constexpr double kSpeed = 90 * kDegree;

@@ -65,8 +65,8 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
   outcome.success = share >= kShare;
   char text[160];
   std::snprintf(text, sizeof text,
-                "the ball was found after %.1f s; vision then saw the ball within 3 degrees of the "
-                "image center in %.0f %% of %zu pictures",
+                "the ball was found after %.1f s; after that, vision saw the ball within 3 degrees "
+                "of the image center in %.0f %% of %zu pictures",
                 found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
   if (!outcome.success)

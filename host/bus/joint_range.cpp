@@ -80,8 +80,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
   if (sweep.empty()) return fault("the servo was not read: check its cable");
   if (now.counts_turns)
     return fault(
-        "the servo counts turns (bit 4 of its register `phase`) and loses the count at power-off: "
-        "clear this bit, so that the position stays within one turn");
+        "the servo counts turns, but loses this count at power-off: clear bit 4 of its register "
+        "`phase`, so that positions stay within one turn");
   if (sweep.jumped())
     return fault("the readings jumped by more than a quarter of a turn: turn the joint slowly");
   const double wanted = (upper_rad - lower_rad) * per_rad;
@@ -100,8 +100,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     plan.wrapped = std::floor(encoder_high / turn) != std::floor(encoder_low / turn);
     if (plan.wrapped)
       return fault(
-          "the servo's positions wrap around inside the joint's range, and no register can move "
-          "the wrap point: " +
+          "inside the joint's range, the servo's position jumps between its highest and lowest "
+          "value, and no register can move this jump: " +
           remount(modulo((encoder_low + encoder_high) / 2, turn), model));
     shift = -turns;  // forgotten when the torque comes
     if (sweep.low() + shift < 0 || sweep.high() + shift > turn - 1) {

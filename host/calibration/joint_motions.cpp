@@ -73,8 +73,8 @@ std::vector<MotionGroup> make_groups() {
        {press(rest, {{neck_pan, lower}, {neck_tilt, lower}, {l_hand, lower}, {r_hand, lower}}),
         press(rest, {{neck_pan, upper}, {neck_tilt, upper}, {l_hand, upper}, {r_hand, upper}})}},
       {"arms",
-       "both arms swing to all stops: back, overhead, outward, bent, and one after the other "
-       "across the chest",
+       "both arms swing to their stops: backward, overhead and outward; the elbows bend and "
+       "stretch; then each arm swings across the chest",
        {way(rest),
         press(arms({20, 30, 0}, {20, 30, 0}),
               {{l_elbow, upper}, {r_elbow, upper}, {l_sh_pitch, upper}, {r_sh_pitch, upper}}),
@@ -87,8 +87,8 @@ std::vector<MotionGroup> make_groups() {
         press(arms(ahead_aside, {-90, -30, 0}), {{r_sh_roll, upper}}),
         way(arms(ahead, ahead_aside)), way(arms(kFarAside, kFarAside)), way(rest)}},
       {"legs",
-       "both legs swing to all stops: feet up and down, knees straight and folded, legs back, up "
-       "to the chest, outward, and one after the other across the middle",
+       "both legs swing to their stops: backward, up to the chest, and outward; feet and knees "
+       "move to both stops; then each leg swings inward past the other leg",
        {way(legs(down, down)),
         press(legs({0, 0, 5, -65}, {0, 0, 5, -65}),
               {{l_ankle_pitch, lower}, {r_ankle_pitch, lower}, {l_knee, lower}, {r_knee, lower}}),

@@ -193,8 +193,8 @@ std::string permission_sentence(const std::string& path, const std::string& vend
     return denied + "only root has access; run as root, or `sudo chgrp dialout " + path +
            " && sudo chmod 660 " + path + "`";
   return denied +
-         "only root has access; add this line to /etc/udev/rules.d/70-kaz.rules, add yourself to "
-         "the group dialout, and plug the adapter in again: SUBSYSTEM==\"tty\", "
+         "only root has access. Add yourself to the group dialout, and log in again. Add this line "
+         "to /etc/udev/rules.d/70-kaz.rules, and plug the adapter in again: SUBSYSTEM==\"tty\", "
          "ATTRS{idVendor}==\"" +
          vendor + "\", ATTRS{idProduct}==\"" + product +
          "\", GROUP=\"dialout\", MODE=\"0660\", SYMLINK+=\"kaz\"";

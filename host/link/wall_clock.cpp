@@ -34,7 +34,7 @@ Result<void> WallClock::sleep_until(Time t) {
     pollfd watched{interrupt_ ? interrupt_->descriptor() : -1, POLLIN, 0};
     if (ppoll(&watched, 1, &wait, nullptr) < 0 && errno != EINTR) {
       return fail(Fault::environment,
-                  std::string("waiting until a set time failed: ") + std::strerror(errno));
+                  std::string("cannot wait until a given time: ") + std::strerror(errno));
     }
   }
 }

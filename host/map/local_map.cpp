@@ -43,8 +43,8 @@ Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
       !positive(o.robot_m) || !positive(o.disparity_error_px) || !(o.own_m >= 0) ||
       o.robot_m <= o.obstacle_m)
     return fail(Fault::usage,
-                "lengths and the disparity error of the local map must be above 0, and robot_m "
-                "must be above obstacle_m");
+                "local map: farthest_m, drop_m, obstacle_m, robot_m and disparity_error_px must be "
+                "above 0, own_m at least 0, and robot_m above obstacle_m");
   return LocalMap(o);
 }
 

@@ -78,8 +78,8 @@ std::string text(const NoPath& none, const PlanOptions& options) {
       return place("the goal is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m");
     case NoPath::Why::not_found:
       return place(
-          "the planner found no path within its sample limit; the widest way to the goal "
-          "passes %.2f m from the obstacle at (%.3f, %.3f)");
+          "the planner found no path within its sample limit. The widest way to the goal passes "
+          "%.2f m from the obstacle at (%.3f, %.3f)");
     case NoPath::Why::enclosed:
       // Where all ways are closed, none is the widest.
       if (none.clear_m <= 0) return "obstacles close off the goal on all sides";

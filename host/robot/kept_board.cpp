@@ -291,7 +291,7 @@ class Return {
     if (state_.stored_copy == 0 && now.sequence != 0) {
       const auto identity = KAZ_TRY(board.identify());
       result_.notes.push_back(
-          "no calibration was stored before; now the nominal values are stored" +
+          "no calibration was stored before; now the flash contains the nominal values" +
           how_calibration_goes(identity, link_.name(), state_.address));
     }
     return {};

@@ -44,14 +44,14 @@ Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
   const auto friction = to_wire<u8>(gains.friction / kShare);
   if (!kp || !kd || !dead_band || !friction) {
     return fail(Fault::usage,
-                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, dead band 0..0.1 rad, friction "
-                "0..0.25");
+                "gains out of range: kp must be 0 to 80 /rad, kd 0 to 1 s/rad, the dead band 0 to "
+                "0.1 rad, friction 0 to 0.25");
   }
   const kz_gains message{mask, *kp, *kd, *dead_band, *friction};
   if (kz_check_gains(&message) != KZ_IN_BOUNDS) {
     return fail(Fault::usage,
-                "gains out of range: kp 0..80 /rad, kd 0..1 s/rad, dead band 0..0.1 rad, friction "
-                "0..0.25");
+                "gains out of range: kp must be 0 to 80 /rad, kd 0 to 1 s/rad, the dead band 0 to "
+                "0.1 rad, friction 0 to 0.25");
   }
   const auto reply = parts_->query(KZ_TYPE_gains, message, kz_pack_gains, kz_unpack_gains_reply);
   if (!reply) return tl::unexpected(reply.error());
@@ -66,8 +66,8 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
   const auto upper = to_wire<s16>(limits.upper_rad * KZ_ANGLE_PER_RAD);
   if (!ramp || *ramp < 1 || *ramp > KZ_RAMP_MAX || !lower || !upper || *lower > *upper) {
     return fail(Fault::usage,
-                "limits out of range: ramp 0.1..12 rad/s, angles -3.2768..3.2767 rad; the lower "
-                "angle must not be above the upper angle");
+                "limits out of range: the ramp must be 0.1 to 12 rad/s, and both angles -3.2768 to "
+                "3.2767 rad; the lower angle must not be above the upper angle");
   }
   const kz_limits message{mask, *ramp, *lower, *upper};
   const auto reply = parts_->query(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);

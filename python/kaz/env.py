@@ -81,7 +81,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
 except ImportError:
     class _Env:  # type: ignore
-        """Has the members of Gymnasium's class Env, but not `reset`, `step` and the spaces."""
+        """Replaces gymnasium.Env if Gymnasium is missing, but without `reset`, `step` and the spaces."""
 
         metadata = {"render_modes": []}
         render_mode = None

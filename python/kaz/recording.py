@@ -139,7 +139,7 @@ class Recording:
         encoding, name, text = self._schema(topic)
         dtype = None if encoding == "json" else _Schema(text).dtype()
         if dtype is None:
-            raise UsageError(f"messages of '{topic}' ({name}) have no fixed size: use messages()")
+            raise UsageError(f"array: the messages of '{topic}' ({name}) differ in size; use messages()")
         times, data = self._file.joined(topic)
         if len(data) != len(times) * dtype.itemsize:
             raise UsageError(f"messages of '{topic}' do not have the size of {name} in this version of Kaz")

@@ -21,11 +21,12 @@ std::string SolverDiagnostics::summary() const {
   char text[400];
   std::snprintf(
       text, sizeof text,
-      "in %lld step%s from %.3f s to %.3f s, contact and friction forces did not converge: "
-      "velocity errors are up to %.1e m/s or rad/s, and add up to at most %.2g mm or mrad; %s",
+      "contact and friction forces did not converge in %lld step%s from %.3f s to %.3f s; the "
+      "largest velocity error is %.1e m/s or rad/s, and the position error is at most %.2g mm or "
+      "mrad; %s",
       static_cast<long long>(unconverged_steps), unconverged_steps == 1 ? "" : "s", first_s, last_s,
       max_residual, 1e3 * drift,
-      negligible ? "this error is negligible, and the result is reliable"
+      negligible ? "these errors are negligible, and the result is reliable"
                  : "later results are unreliable: try a shorter --physics-step, or compare with "
                    "--dynamics exact");
   return text;
@@ -45,8 +46,7 @@ Result<int> iterations_of(const std::string& dynamics) {
   }
   return fail(Fault::usage,
               "unknown dynamics `" + dynamics +
-                  "` (--dynamics); use `reduced`, `exact`, or `quickN` with N from 1 to "
-                  "1000");
+                  "` (--dynamics); use `reduced`, `exact`, or `quickN` with N from 1 to 1000");
 }
 
 // Each push of the world is on a link of the robot that can move, and its feet are links of the robot.

@@ -515,12 +515,13 @@ std::string WireReport::text() const {
   char line[240];
   std::string text;
   if (equal()) {
-    std::snprintf(line, sizeof line,
-                  "no difference in %s: %lld requests sent (at least %lld per conversation), "
-                  "%lld frames received, %lld bytes at TxD0",
-                  counted(conversations, "conversation").c_str(), static_cast<long long>(requests),
-                  static_cast<long long>(fewest_requests), static_cast<long long>(replies),
-                  static_cast<long long>(bytes));
+    std::snprintf(
+        line, sizeof line,
+        "no difference in %s: the host sent %lld requests, at least %lld in each conversation; "
+        "each board sent %lld frames (%lld bytes)",
+        counted(conversations, "conversation").c_str(), static_cast<long long>(requests),
+        static_cast<long long>(fewest_requests), static_cast<long long>(replies),
+        static_cast<long long>(bytes));
   } else {
     std::snprintf(line, sizeof line, "%lld of %s differ (seed %llu)",
                   static_cast<long long>(different), counted(conversations, "conversation").c_str(),
@@ -594,8 +595,9 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     ++report.different;
     report.differences.push_back(
         {0, 0,
-         "the start-up time of the native board differs from h8; if the image has grown, set "
-         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to the start-up time of h8",
+         "the start-up times of h8 and the native board differ; after a change of the firmware, "
+         "set "
+         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to h8's time",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }

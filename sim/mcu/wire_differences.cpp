@@ -34,30 +34,28 @@ constexpr WireException exceptions[] = {
      "received in this tick or the next one", "received in this tick if it ends within 650 states",
      "the tick reads its receive ring between 450 and 850 states after its due time; the "
      "comparison sends no byte near that time"},
-    {"bytes that end 47,600 to 18,000 states before the first tick",
-     "each byte delays the start by 65 states, or is lost",
-     "received if it ends in the last 46,940 states; no delay",
+    {"a byte that ends between 47,600 and 18,000 states before the first tick",
+     "delays the start by 65 states, or is lost",
+     "received if it ends in the last 46,940 states before the tick; no delay",
      "the native board models no CPU time; the comparison sends no bytes in this interval"},
     {"first byte of a reply", "320 to 700 states after its tick", "445 states after its tick",
      no_cpu},
     {"a request that waits for room in the transmit ring",
      "the check for room comes at most 1,100 states after the tick's due time",
      "the check for room comes 665 states after the tick's due time",
-     "if replies are one tick apart, the comparison ends the conversation and counts it as ended "
-     "early"},
+     "if replies are one tick apart, the comparison ends this conversation early"},
     {"start of a requested store or reset", "after the computation of its tick",
      "5,900 states after the tick's due time",
      "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
     {"input voltages",
-     "sampled between 800 and 7,300 states after a tick's due time; AN4 and AN5 are sampled at "
-     "any time",
+     "sampled 800 to 7,300 states after a tick's due time, but AN4 and AN5 at any time",
      "the same inputs in the same order, within 200 states of `h8`",
      "the comparison changes a voltage only when 15,000 states have passed since a tick's due "
      "time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
-    {"a byte that a reset or a power cut interrupts", "its first bits reach the pin", "no bits",
-     "the comparison drops it"},
+    {"a byte that a reset or a power cut interrupts", "the pin shows its first bits",
+     "the pin shows no bit", "the comparison ignores this byte"},
 };
 
 }  // namespace

@@ -105,9 +105,10 @@ int parse_and_run(int argc, char** argv) {
                      "also write each number, with its name, to this JSON file");
   auto known = engine_names();
   program
-      .add_option("--engine", arguments.settings.engines,
-                  "engines of the emulator to measure; a number's name ends with the name of the "
-                  "engine, except for the default engine")
+      .add_option(
+          "--engine", arguments.settings.engines,
+          "emulator engines to measure, separated by commas; unless the engine is the default, "
+          "the names of its numbers end with the engine's name")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
   program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")

@@ -267,7 +267,9 @@ Result<std::string> joint_of(const hil::BenchReport& report, const std::string& 
     if (one.of->group == hil::BenchGroup::motor) joints.insert(one.subject);
   }
   if (joints.empty())
-    return fail(Fault::usage, "the report contains no motor; make one with `kaz bench motor`");
+    return fail(
+        Fault::usage,
+        "the report contains no measurements of a motor: give a report of `kaz bench motor`");
   if (wanted.empty() && joints.size() > 1)
     return fail(Fault::usage, "the report contains several joints; select one with --joint");
   const std::string joint = wanted.empty() ? *joints.begin() : wanted;
@@ -289,9 +291,10 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
   // Beyond these there is no bench, and the model would press for ever or not at all.
   if (bench.disc_kgm2 > 1 || bench.supply_volts > 100 ||
       !(bench.pressing_s >= 0.01 && bench.pressing_s <= 60))
-    return fail(Fault::usage,
-                "conditions of the report: disc_kgm2 must be at most 1, supply_volts at most 100, "
-                "pressing_s 0.01 to 60; measure again with `kaz bench motor`");
+    return fail(
+        Fault::usage,
+        "the report's conditions are out of range: disc_kgm2 must be at most 1, supply_volts "
+        "at most 100, and pressing_s 0.01 to 60; measure again with `kaz bench motor`");
   if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
     return fail(
         Fault::usage,

@@ -298,8 +298,8 @@ Result<void> View::hear(const std::string& line) {
       line == "stop" || line == "end" || line.starts_with("target ") || line.starts_with("play ");
   if (request && !options_.requests)
     return fail(Fault::usage, "`" + line.substr(0, line.find(' ')) +
-                                  "`: this program controls the joints; only kaz run pose --view "
-                                  "accepts targets and poses");
+                                  "` is only valid with kaz run pose --view: in other programs, "
+                                  "viewers cannot control the joints");
   if (!request && line.size() > kLongestAct)
     return fail(Fault::usage, "the line is too long: a line may have at most " +
                                   std::to_string(kLongestAct) + " bytes");

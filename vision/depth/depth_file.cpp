@@ -37,7 +37,8 @@ Result<std::vector<std::uint8_t>> points_ply(const PointCloud& cloud, const Imag
   std::size_t count = 0;
   for (const Eigen::Vector3f& point : cloud.points) count += std::isfinite(point.z()) ? 1 : 0;
   const std::string header =
-      "ply\nformat binary_little_endian 1.0\ncomment m; colors of the left eye\nelement vertex " +
+      "ply\nformat binary_little_endian 1.0\ncomment coordinates in m, colors of the left "
+      "eye\nelement vertex " +
       std::to_string(count) +
       "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
       "property uchar green\nproperty uchar blue\nend_header\n";

@@ -41,7 +41,7 @@ class SwappedCameras {
 
 // Message for the user if found() returns true.
 inline constexpr const char* kSwappedCameras =
-    "left and right look exchanged: depth is found only if the pictures are exchanged; exchange "
-    "the pictures or the cameras, or calibrate the cameras as they are";
+    "left and right look exchanged, because only exchanged pictures give depth: exchange the "
+    "pictures or the cameras, or calibrate the cameras again";
 
 }  // namespace kaz::vision

@@ -38,8 +38,8 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
   if (!motion.matrix().allFinite() || motion.translation().norm() > kMaxSpeed_m_s * dt ||
       Eigen::AngleAxisd(motion.linear()).angle() > kMaxRate_rad_s * dt)
     return fail(Fault::failed,
-                "moving: the pose of the eye jumped between the pictures, for example at a change "
-                "of the supporting foot: use the next pair");
+                "moving: the pose of the eye jumped between the pictures, perhaps because the "
+                "supporting foot changed: use the next pair");
   if (!depth) return {};
   if (depth->width != flow.width || depth->height != flow.height || depth->width < 4 ||
       depth->height < 4)
@@ -77,7 +77,8 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   for (const Picture* picture : {&before, &after})
     if (picture->width != flow.width || picture->height != flow.height ||
         picture->bytes.size() != flow.flow_px.size() * static_cast<std::size_t>(picture->channels))
-      return fail(Fault::usage, "moving: these are not the pictures of the flow");
+      return fail(Fault::usage,
+                  "moving: pictures and flow differ in size: give the two pictures of this flow");
   const std::size_t cells = flow.certainty.size();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   moving.cells_across = flow.cells_across;
@@ -93,10 +94,10 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   find_candidates(flow, depth, moving);
   if (moving.turn_error_rad.norm() > options_.max_posture_error_rad ||
       moving.shift_error_m.norm() > options_.max_posture_error_m)
-    return fail(
-        Fault::failed,
-        "moving: most of the flow contradicts the posture by more than the posture's accuracy: the "
-        "robot slips or falls, or a moving object hides the scene at rest; use the next pair");
+    return fail(Fault::failed,
+                "moving: most of the flow does not match the robot's posture: the robot slips or "
+                "falls, or a "
+                "moving object covers most of the picture: use the next pair");
   if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
   const auto reader = [](const Picture& p, std::vector<float>& codes) {
     grey_codes(p.bytes, p.channels, codes);

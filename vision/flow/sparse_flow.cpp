@@ -20,9 +20,10 @@ Result<void> check_options(const SparseFlowOptions& o) {
     return fail(Fault::usage, "sparse flow: max_points must be above 0, and levels must be 0 to 8");
   if (!(o.min_quality > 0 && o.min_quality < 1) || !(o.min_separation_px >= 0) ||
       !(o.max_return_px > 0))
-    return fail(Fault::usage,
-                "sparse flow: min_quality must be between 0 and 1, min_separation_px must be at "
-                "least 0, and max_return_px must be above 0");
+    return fail(
+        Fault::usage,
+        "sparse flow: min_quality must be above 0 and below 1, min_separation_px at least 0, "
+        "and max_return_px above 0");
   return {};
 }
 

@@ -39,8 +39,9 @@ class Frame {
   const T& of(std::string_view module) const {
     const T* value = std::any_cast<T>(find(module));
     if (value == nullptr)
-      throw std::logic_error("no result of the requested type of module '" + std::string(module) +
-                             "' on this frame: add the module to needs()");
+      throw std::logic_error(
+          "module '" + std::string(module) +
+          "' has no result of the requested type for this frame: add the module to needs()");
     return *value;
   }
 

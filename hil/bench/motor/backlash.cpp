@@ -51,8 +51,9 @@ void measure_backlash(MotorOnBench& motor, BenchJudge& judge) {
              "reported angle, degrees",
              false,
              {shown},
-             "The motor is off, and the shaft is pressed backward and forward in turn with 0.03 "
-             "Nm. The size of the step is the backlash. Each point is a mean over 0.1 s."});
+             "The motor is off, and a torque of 0.03 Nm presses the shaft alternately backward and "
+             "forward. The angle between the two positions is the backlash. Each point is a mean "
+             "over 0.1 s."});
 }
 
 }  // namespace kaz::hil

@@ -80,11 +80,11 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
              motor.name(),
              "Dead band",
              "supply, V",
-             "motor voltage at the start, V",
+             "motor voltage when the shaft begins to turn, V",
              false,
              {forward, backward},
-             "Motor voltage (duty times supply) at which the shaft began to turn. The voltage is "
-             "the same for all supplies, within one duty step (1/255)."});
+             "Motor voltage (duty times supply) at which the shaft began to turn. A different "
+             "supply voltage changes this motor voltage by at most one duty step (1/255)."});
 }
 
 }  // namespace kaz::hil

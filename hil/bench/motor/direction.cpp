@@ -46,8 +46,8 @@ bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good) 
                                                     (change[0] != 0 ? "positive" : "negative") +
                                                     " duty, up to half of full duty");
   check(change[0] * change[1] < 0,
-        "the shaft turned in the same direction at positive and negative duty: something else, "
-        "such as a weight, turns the shaft; remove it");
+        "the shaft turned in the same direction at positive and at negative duty: remove the load "
+        "that turns the shaft, such as a weight");
   if (change[0] < 0) {
     judge.enter_finding(motor.name(), "direction", -1,
                         motor.name() +

@@ -75,8 +75,8 @@ void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge) {
   const Line line = fit_line(read);
   char text[160];
   std::snprintf(text, sizeof text,
-                "the reading changes by only %.1f %% of the shaft's angle: the wiper or its gear "
-                "is loose, or the input belongs to another joint",
+                "the reading changes by only %.1f %% of the shaft's motion: the wiper or its gear "
+                "is loose, or the potentiometer belongs to another joint",
                 100 * line.slope);
   check(std::abs(line.slope) > kFollows, text);
   judge.enter(motor.name(), "pot.linearity", 100 * line.worst / kRange);

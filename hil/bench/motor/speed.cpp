@@ -74,8 +74,8 @@ Plot speed_plot(const std::string& joint, const Points& points, const Line& line
           "speed, rad/s",
           false,
           {measured, fitted},
-          "The plot shows both directions. The voltage at which the line reaches zero speed is the "
-          "voltage that overcomes sliding friction."};
+          "The plot shows both directions. At the voltage where the line reaches zero speed, the "
+          "motor only overcomes its sliding friction."};
 }
 
 Plot start_plot(const std::string& joint, const Run& run) {
@@ -94,9 +94,9 @@ Plot start_plot(const std::string& joint, const Run& run) {
           "displacement, rad",
           false,
           {measured, steady},
-          "The lag is the time at which the dashed line crosses zero. The lag comes from the "
-          "inertia of rotor and "
-          "disc, the gear's backlash and the board's tick."};
+          "The dashed line extends the motion at steady speed back to zero displacement; the time "
+          "of this point is the lag. The lag comes from the inertia of rotor and disc, the "
+          "backlash of the gear, and the board's tick."};
 }
 
 }  // namespace
@@ -131,7 +131,7 @@ void measure_speed(MotorOnBench& motor, BenchJudge& judge, std::optional<double>
   if (std::abs(disc / kDisc - 1) > 0.05) {
     judge.enter_without_default_limits(
         motor.name(), "start.time_constant", lag.value, lag.error,
-        "not judged, because the limits are only valid for a disc of 4e-4 kg m2");
+        "not judged, because the default limits assume a disc with an inertia of 4e-4 kg m2");
   } else {
     judge.enter(motor.name(), "start.time_constant", lag.value, lag.error);
   }

@@ -137,9 +137,10 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            {"negative", Series::Style::points, points_of(readings.negative, cold)},
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
-          "The voltage is measured at the driver's terminals under load. The torques are corrected "
-          "for the motor's warming. The slope of the line is the torque per volt. Extended to 0 V, "
-          "the line shows the sliding friction as a negative torque."};
+          "The voltage is measured at the driver's terminals under load. Each torque is converted "
+          "to the torque of a cold motor. The slope of the line is the torque per volt. If the "
+          "line is extended to 0 V, it reaches a negative torque, whose size is the sliding "
+          "friction."};
 }
 
 // Presses to both sides, then a rest of kRest. None where somebody has to press.

@@ -115,7 +115,7 @@ class StagedWorld : public World {
       diagnostics_.first_s, diagnostics_.last_s, diagnostics_.drift);
     for (const HandPush& push : hand_pushes_) {
       if (push.link >= robot_links_ || !bodies()[push.link].moves || (hung_ && push.link == 0))
-        return a.refuse("it pushes a link that does not exist");
+        return a.refuse("one of its pushes acts on a link that does not exist or cannot move");
     }
     for (JointMotor& motor : motors_) a(motor);
     for (JointState& joint : joint_states_) {

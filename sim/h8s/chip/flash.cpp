@@ -66,7 +66,8 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
   }
   // In verify mode a dummy write selects the word to be read.
   if (flmcr1_ & (kPv | kEv)) {
-    if (value != 0xff) m.misuse(address, "verification dummy write with a value other than FF");
+    if (value != 0xff)
+      m.misuse(address, "dummy write before a verification read has a value other than FF");
     require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
             "dummy write too early after PV or EV was set");
     dummy_ = address & ~1u;
@@ -87,7 +88,7 @@ std::uint8_t FlashControl::read(Machine& m, std::uint32_t address, std::uint8_t 
     return static_cast<std::uint8_t>(mixed(m.options.flash_seed ^ address));
   }
   if (dummy_ != (address & ~1u))
-    m.misuse(address, "verification read of a word without a dummy write");
+    m.misuse(address, "verification read without an earlier dummy write to the same word");
   else
     require(m, dummy_at_, times::after_dummy, at, "verification read too early after dummy write");
   return cell;
@@ -113,7 +114,8 @@ bool FlashControl::cell_moves(const Machine& m, std::uint32_t cell, double share
 void FlashControl::program(Machine& m, double share) {
   FlashStatistics::Block& b = statistics.blocks[block_of(line_)];
   ++b.program_pulses;
-  if (latched_ != 0xffffffff) m.misuse(line_, "flash programmed with fewer than 32 bytes latched");
+  if (latched_ != 0xffffffff)
+    m.misuse(line_, "programming pulse before all 32 bytes of the flash line were written");
   std::uint8_t* p = m.memory_at(line_);
   bool again = false;
   for (unsigned k = 0; p && k < 32; ++k) {
@@ -133,7 +135,9 @@ void FlashControl::program(Machine& m, double share) {
 void FlashControl::erase(Machine& m, double share) {
   const unsigned selected = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
   if (std::popcount(selected) != 1) {
-    m.misuse(0xff82, "flash erased without exactly one block selected");
+    m.misuse(
+        0xff82,
+        "erase pulse with no block or several blocks selected in EBR1 and EBR2; nothing is erased");
     return;
   }
   erase_block(m, static_cast<unsigned>(std::countr_zero(selected)), share);

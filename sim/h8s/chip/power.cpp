@@ -47,8 +47,8 @@ void Machine::enter_standby() {
   if (system.lpwrcr & (kDton | kLson))
     misuse(0xff85, "subactive mode and direct transition (LSON, DTON) are not modeled");
   if (watch_ && options.subclock_states == 0)
-    misuse(0xffea, "watch mode without a subclock (Options::subclock_states)");
-  if ((system.sbycr >> 4 & 7) > 5) misuse(0xff84, "reserved settling time in SBYCR.STS");
+    misuse(0xffea, "watch mode needs a subclock, but Options::subclock_states is 0");
+  if ((system.sbycr >> 4 & 7) > 5) misuse(0xff84, "SBYCR.STS selects a reserved settling time");
   // These modules lose their registers; ports, timers, watchdogs and the DTC keep theirs.
   for (unsigned n = 0; n < 2; ++n) sci[n].reset(*this, n, cpu.now);
   adc.reset(*this, cpu.now);

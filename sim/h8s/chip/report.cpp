@@ -115,10 +115,10 @@ std::string Machine::report(const std::string& headline) const {
   text += registers_text(cpu);
   text += "in " + symbols->describe(pc()) + ": " + disassemble(pc(), nullptr) + "\n";
   text += "called from\n" + back_trace(*this);
-  text += translator() && translator()->translated() > 0
-              ? "last instructions (translated instructions are missing; the interpreter lists all "
-                "instructions)\n"
-              : "last instructions\n";
+  text +=
+      translator() && translator()->translated() > 0
+          ? "last instructions, except translated ones (the interpreter engine lists all of them)\n"
+          : "last instructions\n";
   for (const std::uint32_t at : last_run(*this))
     text +=
         format("  %06x  ", at) + disassemble(at, nullptr) + "  ; " + symbols->describe(at) + "\n";

@@ -32,7 +32,8 @@ void StackMeter::look(States at) {
 std::string StackMeter::text() const {
   if (chain_.empty()) return "the stack was not used\n";
   char line[256];
-  std::snprintf(line, sizeof line, "stack: %u bytes used, down to %06x at state %lld, in\n", used(),
+  std::snprintf(line, sizeof line,
+                "stack: %u bytes used; lowest address %06x, reached at state %lld in\n", used(),
                 lowest_, static_cast<long long>(at_));
   std::string out = line;
   for (const Frame& frame : chain_) {

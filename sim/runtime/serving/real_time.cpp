@@ -145,7 +145,8 @@ Result<std::unique_ptr<RealTimeServer>> RealTimeServer::open(Simulation& simulat
   if (options.keep_hung) p->keep_hung();
   simulation.board().mcu().on_watchdog_reset([p](States) {
     p->watch.board_restarted(
-        "reset by the watchdog, after a host request or because the firmware hung (`identify` "
+        "reset by the watchdog: either a host requested the reset, or the firmware hung "
+        "(`identify` "
         "reports the cause)");
   });
   return std::unique_ptr<RealTimeServer>(new RealTimeServer(std::move(parts)));

@@ -21,7 +21,8 @@ namespace {
 constexpr char wire_schema[] =
     "# Bytes whose last stop bit passed within one millisecond, which ends at the message's time.\n"
     "uint8[] value\n"
-    "uint16[] state  # crystal periods from the beginning of that millisecond to the stop bit\n"
+    "uint16[] state  # time of the stop bit, crystal periods since the beginning of that "
+    "millisecond\n"
     "uint8[] framing_error\n";
 constexpr char pins_schema[] =
     "# High counts out of 256 of the PWM pins, levels of the ports without multiplexer selects.\n"
@@ -43,7 +44,7 @@ constexpr char contacts_schema[] =
     "MSG: kaz/Contact\n"
     "string a\nstring b\n"
     "float64[3] at     # world frame, m\n"
-    "float64[3] force  # on a, N\n";
+    "float64[3] force  # force on shape a, N\n";
 constexpr char link_forces_schema[] =
     "# What everything but the robot itself does to its links, mean of the millisecond that ends\n"
     "# then; of the links that touch something. In the link's axes.\n"
@@ -63,10 +64,11 @@ constexpr char joint_loads_schema[] =
     "float64[54] force   # N\n"
     "float64[54] moment  # Nm\n";
 constexpr char eyes_schema[] =
-    "# XXH3 (128 bits) of the RGB bytes of a stereo pair; the message's time "
-    "is\n"
+    "# XXH3 (128 bits) of the RGB bytes of a stereo pair; the message's time is\n"
     "# the exposure.\n"
-    "uint64 sequence\nstring left_xxh3\nstring right_xxh3\n";
+    "uint64 sequence\n"
+    "string left_xxh3\n"
+    "string right_xxh3\n";
 // As ROS has it, so that viewers show the pictures.
 constexpr char picture_schema[] =
     "# As the host gets it, rectified; 8-bit RGB without loss. The message's time is its arrival\n"

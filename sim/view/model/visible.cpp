@@ -45,9 +45,10 @@ Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& v
   // Shadows of a lower lamp would extend beyond the shadow map.
   if (!light.to_key.allFinite() || !(light.to_key.z() > 0.05 * light.to_key.norm()) ||
       !(light.key >= 0 && light.shaded >= 0 && std::isfinite(light.key + light.shaded))) {
-    return fail(
-        Fault::usage,
-        "a lamp needs a direction at least 3 degrees above the ground, and factors of at least 0");
+    return fail(Fault::usage,
+                "a lamp must be at least 3 degrees above the horizon, and its brightness factors "
+                "must be at "
+                "least 0");
   }
   return {};
 }

@@ -104,14 +104,14 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
     const auto fit = fit_motor(report, options);
     return fit ? std::string("fitted") : fit.error().message;
   };
-  EXPECT_EQ(error({}), "the report contains no motor; make one with `kaz bench motor`");
+  EXPECT_EQ(error({}),
+            "the report contains no measurements of a motor: give a report of `kaz bench motor`");
   MotorTest test;
   test.options.filter = "pot.noise";
   BenchReport report = measure_motor(test);
   EXPECT_EQ(error(report),
             "the report of l_sh_pitch determines no parameter of the motor: its measurements were "
-            "skipped or "
-            "failed");
+            "skipped or failed");
   EXPECT_EQ(error(report, "l_knee"), "the report does not contain joint `l_knee`");
   BenchReport two = report;
   two.measurements.push_back(two.measurements.front());

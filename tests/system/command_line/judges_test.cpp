@@ -45,8 +45,8 @@ TEST_P(Liars, FailByTruth) {
   EXPECT_EQ(episode["sentence"], "all is done");
   EXPECT_NE(episode["cause"], "") << episode;
   // All reports say that claim and truth differ.
-  EXPECT_NE(end.out.find("the behavior's claim was true in 0 of 1 episodes; false claims of "
-                         "success: 1, episodes 0"),
+  EXPECT_NE(end.out.find("the behavior reported its success or failure correctly in 0 of 1 "
+                         "episodes; false claims of success: 1, episodes 0"),
             std::string::npos)
       << end.out;
   const json result = parse_json(read_file(out + "/result.json"));

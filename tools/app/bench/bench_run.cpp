@@ -162,11 +162,9 @@ Result<BenchOptions> with_filter(BenchOptions arguments) {
   }
   arguments.motor = chosen(arguments, hil::BenchGroup::motor);
   if (!arguments.motor && !arguments.of_motors.empty() && (arguments.link || arguments.tick))
-    return fail(Fault::usage, arguments.of_motors +
-                                  " is only valid with motor measurements, and "
-                                  "--filter " +
-                                  arguments.filter + " selects none; leave out " +
-                                  arguments.of_motors);
+    return fail(Fault::usage,
+                arguments.of_motors + " is only valid with motor measurements, and --filter " +
+                    arguments.filter + " selects none; leave out " + arguments.of_motors);
   if (!arguments.link && !arguments.tick) KAZ_TRY(hil::check_motor_filter(arguments.filter));
   return arguments;
 }
@@ -395,8 +393,8 @@ Result<Outcome> run_bench(const BenchOptions& given) {
     if (report.doubts(Doubt::motor))
       std::fprintf(
           stderr,
-          "%s: a motor was too warm to judge all measurements: let it cool for 20 minutes, "
-          "then run the bench again\n",
+          "%s: a motor was too warm to judge all measurements: let it cool for 20 minutes, then "
+          "run the bench again\n",
           verb.c_str());
     if (report.doubts(Doubt::line))
       std::fprintf(stderr,
@@ -405,13 +403,13 @@ Result<Outcome> run_bench(const BenchOptions& given) {
                    verb.c_str());
     if (report.doubts(Doubt::machine))
       std::fprintf(stderr,
-                   "%s: this machine was too late to judge all measurements: end other programs, "
+                   "%s: this machine was too slow to judge all measurements: end other programs, "
                    "then run the bench again\n",
                    verb.c_str());
     return Outcome::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))
-    std::printf("no plots: no completed measurement has a curve\n");
+    std::printf("no plots, because none of the completed measurements has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
     std::fprintf(stderr, "%s: no measurement was made, so the bench did not pass\n", verb.c_str());
   return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
@@ -427,8 +425,8 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   if (std::filesystem::equivalent(arguments.model.motor_file, arguments.out + "/motor.xml", none))
     return fail(Fault::usage,
                 "--out: '" + arguments.out +
-                    "' contains the file of --motor-file, which the fit would overwrite; "
-                    "give another folder");
+                    "' contains the file of --motor-file, which the fit would overwrite; give "
+                    "another folder");
   auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
   options.progress = [&](double share, const std::string& what) { progress.update(share, what); };

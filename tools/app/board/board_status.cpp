@@ -98,10 +98,11 @@ void print(const Json& now, const std::string& fault) {
   print_lines("self-test: %s; calibration: %s\n", failed.empty() ? "passed" : failed.c_str(),
               now["calibrated"].get<bool>()
                   ? "from flash"
-                  : "not stored, so the values are nominal unless a host has set other values");
+                  : "not stored; the board uses nominal values, or values that a host has set");
   print_lines(
-      "link: %d frames received, %d requests refused, %d damaged frames; after %d ms without a "
-      "request: %s\n",
+      "link: %d frames received, %d requests refused, %d frames damaged; watchdog reaction after "
+      "%d "
+      "ms without a request: %s\n",
       now["frames"].get<int>(), now["refusals"].get<int>(), now["damaged_frames"].get<int>(),
       now["watchdog_ms"].get<int>(), now["reaction"].get<std::string>().c_str());
   std::printf("ticks missed: %d\n", now["missed_ticks"].get<int>());

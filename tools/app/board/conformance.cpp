@@ -283,7 +283,7 @@ Outcome outcome_of(const hil::RunReport& report) {
   if (undecided == 0) return true;
   std::fprintf(
       stderr,
-      "kaz conformance: this machine was too late to judge %s; end other programs and run %s "
+      "kaz conformance: this machine was too slow to judge %s; end other programs and run %s "
       "again\n",
       counted(undecided, "case").c_str(), undecided == 1 ? "it" : "them");
   return Outcome::with_status(static_cast<int>(Fault::environment));

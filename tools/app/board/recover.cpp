@@ -85,8 +85,8 @@ void print(const Recovered& result, const std::string& port) {
         shutdown(result.status).c_str());
   if (result.left.empty() && result.shared_line)
     std::printf(
-        "the board is set to share its line and therefore refuses telemetry; if the board is alone "
-        "on the line, give --shared-line off\n");
+        "the board refuses telemetry, because it is set to share its line with other boards; if it "
+        "is the only board on the line, give --shared-line off\n");
 }
 
 nlohmann::ordered_json as_json(const Recovered& result, const std::string& port, bool ok) {
@@ -130,8 +130,8 @@ void remove_notes(const std::string& path) {
     return;
   if (!std::filesystem::remove(path, error) && error)
     std::fprintf(stderr,
-                 "kaz recover: the notes are no longer needed, but cannot be removed (%s): remove "
-                 "%s yourself\n",
+                 "kaz recover: cannot delete the recovery notes, which are no longer needed (%s): "
+                 "delete %s yourself\n",
                  error.message().c_str(), path.c_str());
 }
 

@@ -71,8 +71,8 @@ Result<std::vector<Gauge>> parse_gauges(const std::vector<std::string>& texts) {
     if (equals == std::string::npos || (!joint && name != "all"))
       return fail(Fault::usage,
                   "--gauge " + text +
-                      ": give NAME=DEGREES with the name of a joint, or all=DEGREES, for "
-                      "example --gauge l_knee=0");
+                      ": give NAME=DEGREES with the name of a joint, or all=DEGREES, for example "
+                      "--gauge l_knee=0");
     for (int j = 0; j < KZ_JOINTS; ++j) {
       if (joint && *joint != j) continue;
       const auto angle = gauge_angle(text.substr(equals + 1), j);
@@ -391,8 +391,8 @@ class Calibration {
     else if (memory_file_)
       std::printf("stored in %s\n", options_.memory.c_str());
     else if (port())
-      std::printf("stored in the board on %s, copy %d\n", report_.port.c_str(),
-                  static_cast<int>(report_.stored->sequence));
+      std::printf("stored in the flash of the board on %s, as copy number %d\n",
+                  report_.port.c_str(), static_cast<int>(report_.stored->sequence));
     else
       std::printf(
           "the virtual board's calibration is lost after this run; to keep the calibration, give "

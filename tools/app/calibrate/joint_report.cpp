@@ -108,7 +108,8 @@ std::vector<int> faulty(const JointReport& report) {
 
 std::string joint_table_text(const JointReport& report) {
   std::string text =
-      "joint          stops, codes    moves, deg  gain, %  expected error, deg: 95 %, worst\n";
+      "joint          stops, codes    shift, deg  gain, %  expected error (95 %), deg: rms, "
+      "worst\n";
   for (int j = 0; j < KZ_JOINTS; ++j) {
     if (!included(report, j)) continue;
     const std::string fault = fault_of(report, j);

@@ -273,7 +273,7 @@ class Measurer {
       Measure& lag = measures_.back();
       lag.a = lag.b = {};
       lag.left_out =
-          "the joint moved so slowly or so little that half of the gear's play can shift the lag "
+          "the joint moved too slowly or too little: half of the gear's play can shift the lag "
           "by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");
@@ -295,8 +295,9 @@ class Measurer {
     };
     // 15 mV a code.
     add("supply.mean", "V", "motors' supply at the board", 0.015, volts(Statistic::mean));
-    add("supply.lowest", "V", "lowest supply voltage in a reply; motor currents lower the voltage",
-        0.1, volts(Statistic::least));
+    add("supply.lowest", "V",
+        "lowest supply voltage that the board reported; motor currents lower this voltage", 0.1,
+        volts(Statistic::least));
   }
 
   void link() {

@@ -161,7 +161,8 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
   for (const Measure& measure : comparison.measures)
     if (measure.differs()) print_measure(text, measure, width);
   if (!all) return text;
-  text += "\nmeasures that differ by less than their noise, or that are not comparable:\n";
+  text +=
+      "\nmeasures without a difference above the noise, and measures that are not comparable:\n";
   for (const Measure& measure : comparison.measures)
     if (!measure.differs()) print_measure(text, measure, width);
   return text;

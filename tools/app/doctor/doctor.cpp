@@ -55,7 +55,7 @@ bool is_usable(const MachineFiles& files, const std::string& part, const std::st
                const std::string& group, Findings& findings) {
   if (!files.exists(device)) {
     findings.push_back({Level::wrong, part, device,
-                        "the kernel has the device, but the file is missing",
+                        "the kernel lists this device, but the device file is missing",
                         "sudo udevadm trigger"});
     return false;
   }
@@ -198,7 +198,7 @@ void examine_can(const MachineFiles& files, Findings& findings) {
                           "terminators of 120 ohm and the bit rate",
                           "sudo ip link set " + name + " type can restart"});
     } else if (is_virtual) {
-      findings.push_back({Level::good, "can", name, "a virtual bus that is up", ""});
+      findings.push_back({Level::good, "can", name, "up (virtual bus)", ""});
     } else {
       findings.push_back(
           {state.empty() || state == "ERROR-ACTIVE" ? Level::good : Level::note, "can", name,

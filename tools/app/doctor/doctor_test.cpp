@@ -110,7 +110,8 @@ TEST_F(Doctor, FindsPortsThatCannotBeUsed) {
   EXPECT_EQ(about("/dev/ttyUSB0"), "wrong in use by process 77 (minicom) | kill 77\n");
   fs::remove(files_.root + "/dev/ttyS0");
   EXPECT_EQ(about("/dev/ttyS0"),
-            "wrong the kernel has the device, but the file is missing | sudo udevadm trigger\n");
+            "wrong the kernel lists this device, but the device file is missing | sudo udevadm "
+            "trigger\n");
 }
 
 TEST_F(Doctor, AGroupsMemberMayUseItsDevices) {

@@ -244,8 +244,8 @@ std::string breakdown_text(const Json& breakdown) {
     }
   }
   text +=
-      "  off goal: distance to the goal by ground truth; time/least: walking time divided "
-      "by the shortest possible time;\n"
+      "  off goal: distance to the goal by ground truth; time/least: walking time divided by the "
+      "shortest possible time;\n"
       "  both columns: median and maximum of the episodes that reached the goal\n";
   if (const auto moving = breakdown.find("moving"); moving != breakdown.end()) {
     std::snprintf(line, sizeof line,
@@ -261,8 +261,8 @@ std::string breakdown_text(const Json& breakdown) {
 }
 
 std::string claims_text(const Json& claims) {
-  return "the behavior's claim was true in " + claims["agreed"].dump() + " of " +
-         claims["judged"].dump() + " episodes" +
+  return "the behavior reported its success or failure correctly in " + claims["agreed"].dump() +
+         " of " + claims["judged"].dump() + " episodes" +
          disagreements("false claims of success:", claims["claimed_without_success"]) +
          disagreements("successes that were not claimed:", claims["success_without_claim"]);
 }

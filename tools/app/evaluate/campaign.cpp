@@ -226,7 +226,7 @@ class Runner {
     ++lost_in_a_row_;
     lost_[number] = why;
     progress_.done();
-    std::fprintf(stderr, "kaz evaluate: episode %llu is lost to a machine error: %s\n",
+    std::fprintf(stderr, "kaz evaluate: episode %llu is lost because of a machine error: %s\n",
                  static_cast<unsigned long long>(number), why.c_str());
   }
 

@@ -33,15 +33,14 @@ constexpr PaperFigure kPaperFigures[] = {
      "coordinates; (C) the merged map, brighter where the floor is more certain; (D) the planned "
      "path.",
      "Panels (A) to (D) are from one walk of the virtual robot. In (B) to (D) the robot is at the "
-     "bottom center and forward is up. Floor is white, obstacles are black, unseen cells are "
-     "gray. The path was planned on this map."},
+     "bottom center and forward is up. Floor is white, obstacles are black, unseen cells are gray. "
+     "The path was planned on this map."},
     {7, "Frame information messaging in visual processing modules",
      "Each module passes on the posture that the robot had at the exposure, because the head has "
-     "moved "
-     "by the time the results arrive.",
-     "The results of one sweep are entered into the map twice: with the pose of the eyes at the "
-     "exposure, and with the pose of the eyes when the result arrives. Black lines are the true "
-     "edges of the boxes, which are unknown to the robot."},
+     "moved by the time the results arrive.",
+     "Two maps show the results of the same sweep: one with the eyes' pose at the exposure, the "
+     "other with the eyes' pose when the result arrives. Black lines are the true edges of the "
+     "boxes, which are unknown to the robot."},
     {8, "Vision based behavior program in simulation world and real world",
      "The behaviors search-ball, track-ball and catch-ball, in the simulation and on the real "
      "robot.",

@@ -15,8 +15,8 @@ Result<void> check_erase(const FlashArguments& arguments) {
   if (arguments.reset.empty()) {
     if (arguments.blocks.empty())
       return fail(Fault::usage,
-                  "give --blocks N,N to erase these blocks through the loader, or --reset HOW to "
-                  "erase the whole flash, including calibration and address, through boot mode");
+                  "the blocks to erase are missing: give --blocks N,N, or erase the whole flash, "
+                  "including calibration and address, with --reset HOW");
     const auto kept = [](int block) {
       return block == host::kVectorBlock || block == host::kLoaderBlock;
     };

@@ -42,14 +42,15 @@ Result<void> check_running(FlashSession& session, Answer& answer,
     answer.runs(*board);
     return {};
   }
-  return fail(Fault::failed,
-              host::text_of(
-                  {"the firmware was written and verified, but does not run",
-                   "an answer to `identify` with image CRC " + host::hex_word(identity.crc),
-                   board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
-                   {"the mode switch is still at boot mode", "reset is not wired as --reset says"},
-                   "set the switch, press reset, then `kaz status " +
-                       host::robot_option(session.port()) + "`"}));
+  return fail(
+      Fault::failed,
+      host::text_of({"the firmware was written and verified, but does not run",
+                     "an answer to `identify` with image CRC " + host::hex_word(identity.crc),
+                     board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
+                     {"the mode switch is still at boot mode",
+                      "the reset line is not connected as --reset describes"},
+                     "set the switch, press reset, then `kaz status " +
+                         host::robot_option(session.port()) + "`"}));
 }
 
 Result<void> write_image(FlashSession& session, const FlashArguments& arguments, Answer& answer,

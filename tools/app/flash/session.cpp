@@ -140,7 +140,10 @@ Result<void> FlashSession::enter(const host::FlashImage* image) {
         link_->name()));
   }
   if (image != nullptr && !flasher_->board_id())
-    std::fprintf(stderr, "kaz flash: the board reports no id; the id of the image is assumed\n");
+    std::fprintf(
+        stderr,
+        "kaz flash: the board reports no id, so kaz cannot check that the image is for this "
+        "board\n");
   return flasher_->enter_boot(*reset_);
 }
 
@@ -177,8 +180,8 @@ Error FlashSession::start_again(const Error& error) {
   if (started.error().fault == Fault::failed) return error;  // it has no application
   return {error.fault,
           error.message +
-              "; the board waits in its loader, which starts the application after 10 s; "
-              "`kaz flash run " +
+              "; the board waits in its loader, which starts the application after 10 s; `kaz "
+              "flash run " +
               host::robot_option(port()) + "` starts the application immediately"};
 }
 

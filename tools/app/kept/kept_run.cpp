@@ -144,8 +144,8 @@ std::vector<std::string> earlier_notes(const std::string& port, const std::strin
                    " was ended before it could restore the board: `kaz recover " +
                    host::robot_option(port) + " --from " + path +
                    "` restores the board; to keep the board as it is, remove these notes"
-             : then + "the notes of a run that did not restore the board on " + port +
-                   " are not valid: " + kept.error().message + ": `kaz recover " +
+             : then + "the notes of a run are not valid: " + kept.error().message +
+                   "; this run did not restore the board on " + port + ": `kaz recover " +
                    host::robot_option(port) +
                    "` recovers the board without the notes; then remove the notes");
   }

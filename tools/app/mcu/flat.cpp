@@ -38,7 +38,7 @@ const char* name_of(Reason reason) {
     case Reason::odd_pc:
       return "instruction at an odd address";
     case Reason::bad_request:
-      return "host request that does not exist";
+      return "invalid request to the host";
     case Reason::output_failed:
       return "output cannot be written";
   }

@@ -53,7 +53,8 @@ bool healthy(h8s::Stop::Reason reason) {
 
 void print_misuse(const h8s::Chip& chip) {
   for (const h8s::Misuse& misuse : chip.misuse()) {
-    std::fprintf(stderr, "misuse: %s (register %06x, from %s, %lld times, first at state %lld)\n",
+    std::fprintf(stderr,
+                 "misuse: %s (address %06x, by code in %s, %lld times, first at state %lld)\n",
                  misuse.text.c_str(), misuse.address, chip.symbols().describe(misuse.pc).c_str(),
                  static_cast<long long>(misuse.count), static_cast<long long>(misuse.first));
   }

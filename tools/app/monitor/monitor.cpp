@@ -246,7 +246,7 @@ class Monitor {
         wanted_ = 0;
         return robot_->stop();
       case Key::clear:
-        said_ = on() != 0 ? "no shutdown was latched: motors are on"
+        said_ = on() != 0 ? "no shutdown was latched; motors stay on"
                           : "no shutdown is latched now; motors stay off";
         return robot_->clear();
       default:
@@ -299,8 +299,7 @@ class Monitor {
   bool watched_ = false, looked_ = false;
   std::optional<std::uint32_t> wanted_;  // joints that are to be on; none: not read yet
   Time since_{}, next_try_{};
-  std::string said_ =
-      "until you press a key, the monitor only reads; e or E: motors on, q: motors off";
+  std::string said_ = "the monitor only reads until you press a key; e or E switches motors on";
 };
 
 // Errors (usage): the port, the robot's files.

@@ -127,8 +127,8 @@ void print(const ReplayOptions& options, const RecordedRun& run, const ReplayedB
                 seconds(sim::time_of(run.end)));
   if (identical) {
     print_lines(
-        "identical: the host sent the same %s at the same times, and the behavior made the same "
-        "%s; the host received %s and %s of pictures\n",
+        "identical: the host sent the same %s at the same times, and the behavior wrote the same "
+        "%s\nreplayed to the host: %s from the board, %s of pictures\n",
         counted(run.to_board.size(), "byte").c_str(),
         counted(run.thoughts.size(), "record").c_str(), counted(run.to_host.size(), "byte").c_str(),
         counted(run.pairs.size(), "pair").c_str());

@@ -127,10 +127,11 @@ Result<bool> serve(ServeOptions arguments) {
     KAZ_TRY(sim::save_memory(mcu, memory->part()));
     KAZ_TRY(memory->commit());
   }
-  std::printf("ended after %.1f s; overruns %llu, worst %.1f ms late, pairs dropped %llu\n",
-              statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
-              1e3 * statistics->worst_late_s,
-              static_cast<unsigned long long>(statistics->pairs_dropped));
+  std::printf(
+      "ended after %.1f s; overruns: %llu, largest delay: %.1f ms, dropped pairs of pictures: "
+      "%llu\n",
+      statistics->simulated_s, static_cast<unsigned long long>(statistics->overruns),
+      1e3 * statistics->worst_late_s, static_cast<unsigned long long>(statistics->pairs_dropped));
   if (const auto later = simulation->faults().not_begun(simulation->time()); !later.empty())
     std::printf("%s\n", faults::not_begun_text(later).c_str());
   if (const auto warning = simulation->world().diagnostics().summary(); !warning.empty())

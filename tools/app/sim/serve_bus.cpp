@@ -47,9 +47,9 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
   const StopFlag stop(interrupt);
   const auto statistics = KAZ_TRY(server->run(stop.flag()));
   std::printf(
-      "ended after %.1f s; bytes from the host %llu, to the host %llu, lost %llu; overruns %llu, "
-      "worst "
-      "%.1f ms late\n",
+      "ended after %.1f s; bytes from the host: %llu, to the host: %llu, lost: %llu; overruns: "
+      "%llu, "
+      "largest delay: %.1f ms\n",
       statistics.simulated_s, static_cast<unsigned long long>(statistics.bytes_from_host),
       static_cast<unsigned long long>(statistics.bytes_to_host),
       static_cast<unsigned long long>(statistics.bytes_lost),

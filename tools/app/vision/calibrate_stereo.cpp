@@ -183,8 +183,8 @@ Json as_json(const Sightings& seen, const StereoResult& result,
 
 void print_eye(const char* side, const vision::EyeQuality& eye, const vision::Lens& lens) {
   print_lines(
-      "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, center "
-      "%.1f, %.1f; board in %.0f %% of the picture\n",
+      "%-5s  %d pictures, reprojection %.3f px rms; focal length %.2f px +- %.2f, center %.1f, "
+      "%.1f; board in %.0f %% of the picture\n",
       side, eye.pictures, eye.rms_px, lens.fx, eye.focal_sigma_px, lens.cx, lens.cy,
       100 * eye.covered);
   if (eye.focal_sigma_px > 0.01 * lens.fx)
@@ -215,8 +215,8 @@ void print(const Sightings& seen, const StereoResult& result,
   print_eye("left", result.left, result.calibration.left.lens);
   print_eye("right", result.right, result.calibration.right.lens);
   print_lines(
-      "both   %d of %zu pairs, reprojection %.3f px rms, rows of the rectified pictures "
-      "%.3f px rms\n       right eye %.5f m from the left eye, turned by %.4f rad\n",
+      "both   %d of %zu pairs used; reprojection error %.3f px rms, row difference after "
+      "rectification %.3f px rms\n       right eye %.5f m from the left eye, turned by %.4f rad\n",
       result.pairs_used, seen.pairs.size(), result.rms_px, result.row_rms_px,
       result.calibration.rectified.baseline_m, turn_rad(result));
   std::printf("written: %s, %s\n", arguments.out.c_str(), arguments.coverage.c_str());
@@ -232,7 +232,8 @@ Result<void> write(const StereoResult& result, const Board& board,
   const auto format = KAZ_TRY(vision::calibration_format(arguments.out));
   const auto& c = result.calibration;
   const figure::Panel panels[] = {
-      {figure::coverage_picture(result.left, c.width, c.height), "left: corners, residuals x 40"},
+      {figure::coverage_picture(result.left, c.width, c.height),
+       "left: corners, residuals enlarged 40 times"},
       {figure::coverage_picture(result.right, c.width, c.height), "right"}};
   const figure::Image both = figure::compose(panels, 2, 360);
   const auto png = KAZ_TRY(picture::encode_png(
@@ -289,8 +290,8 @@ Result<void> check_plausible(const StereoResult& result,
   if (baseline_m >= kMinBaseline_m && baseline_m <= kMaxBaseline_m) return {};
   std::snprintf(
       text, sizeof text,
-      "the fitted distance of the eyes, %.4f m, must be %.3f to %.0f m: check that --left "
-      "and --right are from two eyes, and that a square is %g m long (--square)",
+      "the fitted distance of the eyes, %.4f m, must be %.3f to %.0f m: check that --left and "
+      "--right are from two eyes, and that a square is %g m long (--square)",
       baseline_m, kMinBaseline_m, kMaxBaseline_m, arguments.square_m);
   return fail(Fault::failed, text);
 }
@@ -304,8 +305,8 @@ Result<Board> parse_board(const std::string& text, double square_m) {
       rows > 100)
     return fail(Fault::usage,
                 "--board '" + text +
-                    "': give the inner corners along both sides, 3 to 100, for example "
-                    "9x6 for a board of 10 x 7 squares");
+                    "': give the inner corners along both sides, 3 to 100, for example 9x6 for a "
+                    "board of 10 x 7 squares");
   if (square_m < kMinSquare_m || square_m > kMaxSquare_m) {
     char wrong[120];
     std::snprintf(wrong, sizeof wrong,

@@ -202,7 +202,7 @@ VisionReport::VisionReport(vision::Pipeline& pipeline, const VisionOptions& opti
           e.json["depth"] = depth_json(*depth);
           if (folder_ != nullptr)
             e.panels.push_back(
-                {figure::depth_picture(*depth), "depth: red at 0.2 m, green 0.7, blue 3"});
+                {figure::depth_picture(*depth), "depth: red 0.2 m, green 0.7 m, blue 3 m"});
           export_files(frame, *depth, e.name);
         }
         heard(frame, error);
@@ -345,8 +345,7 @@ Result<void> VisionReport::end() {
 std::string VisionReport::table() const {
   std::string text =
       "frame,ball,ball_distance_m,depth_known,depth_median_m,flow_known,flow_median_px,moving,"
-      "planes,"
-      "floor,error\n";
+      "planes,floor,error\n";
   for (const Json& one : frames_) {
     const auto cell = [](const Json& of, const char* key) {
       return of.contains(key) ? csv_text(of[key]) : std::string();

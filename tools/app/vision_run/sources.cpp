@@ -71,11 +71,9 @@ Result<void> check_nearest(const RecordedOptions& options, const vision::CameraM
                max = std::floor(kMillimetres * reach / kMinDisparities_px) / kMillimetres;
   if (given >= min && given <= max) return {};
   char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "--nearest %g: must be %.3f to %.3f m with these eyes (disparities of %d to 16 px); for "
-      "example, 14 cm is 0.14",
-      given, min, max, camera.width - 1);
+  std::snprintf(text, sizeof text,
+                "--nearest %g: must be %.3f to %.3f m with these eyes; for example, 14 cm is 0.14",
+                given, min, max);
   return fail(Fault::usage, text);
 }
 
@@ -252,8 +250,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   if (!vision) return tl::unexpected(vision.error());
   if (auto fits =
           refuse(*vision, {"flow", "moving", "floor"},
-                 "needs time and posture, which pairs of files do not have; use a recording, or "
-                 "a live camera with --robot");
+                 "needs time and posture, which pairs of files do not have; use a recording, or a "
+                 "live camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
   if (!options.robot.empty())
@@ -311,8 +309,9 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
   if (options.robot.empty()) {
-    if (auto fits = refuse(*vision, {"moving", "floor"},
-                           "needs the posture: give --robot, the robot with these eyes");
+    if (auto fits = refuse(
+            *vision, {"moving", "floor"},
+            "needs the robot's posture: give --robot, the port of the robot with these cameras");
         !fits)
       return tl::unexpected(fits.error());
   }
@@ -413,11 +412,12 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
     return fail(Fault::usage, options.in + ": no module processed the recording's pictures");
   const std::size_t pairs = recorded.count("/eyes/left");
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
-    std::fprintf(stderr,
-                 "kaz vision run: only %zu of %zu recorded pairs were processed, because the "
-                 "repeated behavior then differed from the recording (perhaps another version of "
-                 "Kaz); `kaz replay --host %s` prints the first difference\n",
-                 watcher.report()->frames().size(), pairs, options.in.c_str());
+    std::fprintf(
+        stderr,
+        "kaz vision run: only %zu of %zu recorded pairs were processed: after them, the "
+        "repeated run differed from the recording. Perhaps the version of Kaz has changed; "
+        "`kaz replay --host %s` prints the first difference\n",
+        watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
 }
