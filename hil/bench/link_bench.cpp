@@ -147,7 +147,8 @@ class LinkBench {
     judge_.enter(kSubject, "link.cycle_rate", rate_hz, 0,
                  options_.allow_motion ? ""
                                        : "measured with the joints off: the board refuses the "
-                                         "targets, but replies at the same rate");
+                                         "targets, and a refusal is 3 bytes longer than an "
+                                         "acknowledgment");
     return {};
   }
 

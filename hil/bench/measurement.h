@@ -111,8 +111,9 @@ class BenchJudge {
   // Enters a value. `name` is the name in measurements.def, `note` describes special conditions.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
-  // Enters a failed measurement, even if the value is inside its limits. The message of the measurement is
-  // `finding`. Use this function for a defect that was found, not for a value that is only out of range.
+  // Enters a measurement with the verdict `failed`, whether or not the value is inside its limits. The
+  // message of the measurement is `finding`. Use this function for a defect that was found, not for a value
+  // that is only out of range.
   void enter_finding(const std::string& subject, const std::string& name, double value,
                      const std::string& finding);
   // Enters a value that was measured under a special condition. `note` describes the condition. The default
@@ -126,20 +127,21 @@ class BenchJudge {
   // Runs a part that measures times with this machine's clock. If a measurement of the part fails while the
   // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
   // in each run, the failed measurements are undecided. `at_least` selects the delays that count as lateness.
-  // If `at_least` is above 0, only delays of this length or more count, and each measurement of the part can
-  // become undecided. If `at_least` is 0, the thresholds of LatenessMeter apply. Only measurements that
-  // depend on this machine's clock can then become undecided. A disturbed line has the same effect as a late
-  // machine. However, a disturbed line does not make measurements of the line itself undecided. Errors: the
-  // errors of `part`; the program at the other end no longer replies (environment).
+  // If `at_least` is above 0, only delays of this length or more count. Every failed measurement of the part
+  // can then become undecided. If `at_least` is 0, the thresholds of LatenessMeter apply. Only measurements
+  // that depend on this machine's clock can then become undecided. A disturbed line has the same effect as a
+  // late machine, but only on measurements that a bad line can distort. Failed measurements of the line
+  // itself stay failed. Errors: the errors of `part`; the program at the other end no longer replies
+  // (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
   // Makes all failed measurements with index `first` or higher undecided. With Doubt::line, this applies only
   // to measurements that a bad line can distort. Appends "; but " and then `why` to the message of each such
   // measurement.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // States that the true value of a measurement can be higher than the entered value, up to `factor` times
-  // the entered value. This applies to all measurements with index `first` or higher. A measurement becomes
-  // undecided if such a higher value would change the verdict.
+  // Raises doubt about all measurements with index `first` or higher: the true value can be up to `factor`
+  // times the entered value. If a true value in this range would change the verdict of a measurement, the
+  // measurement becomes undecided.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

@@ -26,8 +26,9 @@ enum ServoNeed : unsigned {
 };
 
 struct ServoCase {
-  // `of.statements` lists the tested sections of docs/reference/servo-bus.md. `of.run` is null, because the
-  // member `run` below replaces it.
+  // General part of the case. In this part, the member `statements` lists the tested sections of
+  // docs/reference/servo-bus.md. The member `run` of this part is null, because ServoCase::run is called
+  // instead.
   Case of;
   unsigned needs = kServoNothing;
   std::function<void(ExaminedServo&)> run;

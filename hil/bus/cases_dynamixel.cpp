@@ -229,7 +229,8 @@ void add_group_cases(ServoCases cases) {
 
 void add_instruction_cases(ServoCases cases) {
   cases.add("instructions.reg-write",
-            "The servo executes a reg write only after it receives an action instruction.",
+            "The servo executes a `reg write` instruction only after the servo receives an "
+            "`action` instruction.",
             "packet", [](ExaminedServo& servo) {
               const ServoRow& row = profile(servo);
               const ServoRow& waits = servo.table().row("Registered Instruction");

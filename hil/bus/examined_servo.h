@@ -68,8 +68,8 @@ class ExaminedServo {
   // Writes a register and returns the error code of the answer; 0: success. The alert bit of the answer is
   // ignored. For Feetech servos, the result is always 0. end_case() restores the old value.
   int write(const ServoRow& row, long value);
-  // Stores the present value of a register, so that end_case() can restore this value. The function write()
-  // does this itself; before any other way of writing a register, call keep().
+  // Stores the present value of a register, so that end_case() can restore this value. write() calls keep().
+  // If you write a register without write(), call keep() first.
   void keep(const ServoRow& row);
 
   // Waiting times: kSilence to check that no answer comes, kPatience for an expected answer.

@@ -24,7 +24,7 @@ class Bench {
   virtual void set_power(bool on) = 0;
 
   // Holds an analog input at a code from 0 to 1023; nullopt releases the input. `input` is the index of the
-  // analog input: multiplexer * 8 + input of this multiplexer (shared/board/board.h).
+  // analog input in kz_tick_input.analog (shared/board/board.h).
   virtual void set_analog(int input, std::optional<int> code) = 0;
   // Turns a joint's shaft by hand to an angle, rad in the joint's positive direction.
   virtual void place_joint(int joint, double angle_rad) = 0;

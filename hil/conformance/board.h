@@ -44,7 +44,8 @@ class Board {
   std::mt19937_64& random() { return random_; }
   std::uint8_t address = KZ_ADDRESS_DEFAULT;   // present address
   std::uint8_t home() const { return home_; }  // address at the beginning of each case
-  // Returns the address `wanted` unless it is the board's home address. In that case, returns `wanted` - 1.
+  // If `wanted` is not the board's home address, returns `wanted`. If `wanted` is the home address, returns
+  // `wanted` - 1.
   std::uint8_t other_than_home(int wanted) const {
     return static_cast<std::uint8_t>(wanted == home_ ? wanted - 1 : wanted);
   }
@@ -70,7 +71,7 @@ class Board {
   Frame raw_request(std::uint8_t type, const Bytes& fields);
   bool answers();  // true if identify is answered within 50 ms
   // Returns whether no board answers at any address. Waits for a board that is still starting. On a bench,
-  // does not check this and returns false, because the bench resets the board before the next case.
+  // always returns false, because the bench resets the board before the next case.
   bool gone();
 
   // ---- Requests by name

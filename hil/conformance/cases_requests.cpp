@@ -370,8 +370,8 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "A repeated `raw_drive` ends the raw drive of another motor, but does not "
-                     "start its own raw drive again.",
+                   : "If the host repeats a `raw_drive`, the raw drive of another motor ends, and "
+                     "no raw drive starts.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));

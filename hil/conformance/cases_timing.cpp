@@ -72,7 +72,7 @@ void add_timing_cases(Cases& all) {
         const double out = kByteMs * static_cast<double>(wire.size());
         // Heard in the tick behind its end, computed in the next one, at the pins with the third.
         b.wait(static_cast<int>(out + 4.5));
-        check(b.bench().drive(0) > 0, "the motor is not driven 4 ms after the target");
+        check(b.bench().drive(0) > 0, "4 ms after the request `targets`, the motor is still off");
       },
       kMotion | kBench);
   to.add("after-reset", "A board replies 0.2 s after a reset.", "TIME-4",

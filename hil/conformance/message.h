@@ -17,7 +17,7 @@ struct Field {
   std::string name;
   int size = 0;  // bytes per number
   bool is_signed = false;
-  int count = 1;  // how many numbers the field contains; for a masked field, the maximum
+  int count = 1;  // how many numbers the field contains; a masked field can contain fewer
   bool masked = false;
   bool bounded = false;
   long low = 0, high = 0;
@@ -52,8 +52,8 @@ class Put {
   Bytes bytes_;
 };
 
-// Returns legal fields: bounded fields have their lowest value, all other fields are 0. Exception: the
-// numbers of the field with the index `changed` are `value`.
+// Returns the fields of a request. In the field with the index `changed`, every number is `value`. In the
+// other fields, every number is legal: the lowest legal value if the field is bounded, otherwise 0.
 Bytes legal_fields(const Message& request, int changed = -1, long value = 0);
 
 // Fields of a reply by their names in the table. The constructor throws Failed if the length is wrong.

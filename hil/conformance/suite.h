@@ -20,7 +20,7 @@ enum Need : unsigned {
   kFlash = 2,   // writes flash, which wears out
   kBench = 4,   // requires a Bench (bench.h)
   kExact = 8,   // requires a clock without slack
-  // Requires a board at address 1. If the board has this address, run_suite() allows the case.
+  // Requires a board at address 1. If RunOptions::address is 1, run_suite() sets this bit in `allowed`.
   kDefaultAddress = 16,
   // Requires a link that preserves pauses between bytes (RunOptions::whole_frames).
   kPauses = 32,

@@ -38,15 +38,15 @@ class Conversation {
   // Returns the number of replies to the request with this type and sequence number since that request was
   // last sent.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
-  // Returns whether, since the last call, the host has sent a request that can make the board silent for a
-  // while. Examples: a restart, a write to flash, and a change of the address.
+  // Some requests can make the board silent for a while: a restart, a write to flash, and a change of the
+  // address. Returns whether the host has sent such a request since the last call of take_deafening().
   bool take_deafening();
 
   // Returns the first violation; nullopt if there was no violation.
   const std::optional<std::string>& violation() const { return violation_; }
   const ConversationCounts& counts() const { return counts_; }
-  // Returns a code for each kind of reply that has been received. A kind of reply is a combination of type,
-  // reason and status.
+  // Returns the set of all kinds of replies that have been received. A kind is a code that combines the type,
+  // the reason and the status of a reply.
   const std::set<std::uint32_t>& features() const { return features_; }
 
  private:

@@ -51,7 +51,7 @@ struct ServoParamInfo {
   std::string_view name, unit;
   double ServoParams::*at;
   double low, high;  // bounds of the parameter in a fit
-  double scale;      // a change of this size has a clear effect; a fit uses it as unit
+  double scale;      // a change of this size has a clear effect; unit of the changes in a fit
 };
 
 // Returns the parameters of model 1 to 6, in the order in which a fit uses them.

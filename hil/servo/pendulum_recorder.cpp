@@ -264,7 +264,7 @@ class Recorder {
       char text[200];
       std::snprintf(text, sizeof text,
                     "rests at step %.0f and swings %.0f steps to each side, but its range is steps "
-                    "%.0f to %.0f: put the horn on so that the arm hangs near the middle of the "
+                    "%.0f to %.0f: put the horn on again, with the arm near the middle of the "
                     "range, or reduce --amplitude",
                     servo_.zero, reach, from, to);
       return wrong(Fault::usage, text);

@@ -35,8 +35,8 @@ struct PendulumLog {
   bool held_out = false;
   ServoLog log;
   int missing = 0;  // number of missing readings
-  // If true, the log contains the goals that the servo computed for its own motion profile and reported. If
-  // false, the log contains the goals that the recorder sent.
+  // If true, the servo follows its own motion profile. The goals in the log are then the setpoints of this
+  // profile, as read from the servo. If false, the goals in the log are the goals that the recorder sent.
   bool follows_profile = false;
 };
 

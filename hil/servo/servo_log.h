@@ -14,7 +14,7 @@
 // - `mass_kg`: mass at the end of the arm.
 // - `length_m`: distance from the shaft to the mass.
 // - `arm_kg`: mass of the arm, which is a uniform rod of length `length_m`; default 0.
-// - `gain_per_rad`: gain of the servo's control law: duty per rad of distance from position to goal.
+// - `gain_per_rad`: gain of the servo's control law, in duty per rad of the distance from position to goal.
 // - `most_duty`: maximum duty; default 1.
 // - `position_rad`: angle of the arm; 0 when the arm hangs down.
 // - `volts`: supply voltage.

@@ -45,9 +45,9 @@ class BallPlace {
 
   bool known() const { return track_.known(); }
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
-  // Returns the predicted position of the ball at time `t`, relative to a robot at the place `robot`. The
-  // origin is below the hips. The ball is assumed to roll on for 0.3 s after the last observation.
-  // Precondition: known().
+  // Predicts the position of the ball at the time `t`, and returns this position relative to the robot. The
+  // origin is below the hips. `robot`: place of the robot in the odometry frame. The ball is assumed to roll
+  // on for 0.3 s after the last observation. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
   // Returns the predicted position of the ball in the odometry frame. Precondition: known().
   Eigen::Vector2d at(Time t) const;

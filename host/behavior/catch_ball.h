@@ -10,8 +10,8 @@ struct CatchOptions {
   int tries = 4;
   int turns = 3;      // maximum number of quarter turns of the body during the search
   double hold_s = 3;  // time for which the robot must hold the ball
-  // If true, the body turns to the left during the search. If both ends of the first head sweep are equally
-  // near, this member also makes the head turn to the left first.
+  // If true, the body turns to the left during the search. Also, the first head sweep begins at its left end
+  // if both ends are equally near.
   bool left_first = false;
 };
 

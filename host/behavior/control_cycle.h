@@ -33,8 +33,8 @@ class ControlCycle {
     Time now{};
     host::Posture posture;  // measured a few milliseconds before `now`
     std::vector<vision::BallObservation> observations;
-    // Set if the link was lost and restored during the call of next(). In this case, the targets of the call
-    // were not sent. The board has ended all ramps and holds the joints at their positions
+    // Set if the link was lost and restored during the call of next(). If `resumed` is set, the targets of
+    // this call were not sent. The board has ended all ramps and holds the joints at their positions
     // (host/robot/robot.h).
     std::optional<host::Resumption> resumed;
   };

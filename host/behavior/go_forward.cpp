@@ -38,17 +38,16 @@ Result<std::shared_ptr<const motion::BalancePolicy>> balance_policy(const std::s
 
 Result<Outcome> run(Context& context) {
   if (std::abs(context.options.number("distance")) < kMinDistance - 1e-9)
-    return fail(
-        Fault::usage,
-        "go-forward: distance must be at least 0.05 m in either direction; a negative distance "
-        "means backward");
+    return fail(Fault::usage,
+                "go-forward: the option `distance` must be at least 0.05 m forward or backward; a "
+                "negative distance means backward");
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
   settings.balance = KAZ_TRY(balance_policy(context.options.choice("balance")));
   if (settings.balance && !(settings.use_gyro && KAZ_TRY(context.robot.sense_inertial())))
     return fail(Fault::usage,
-                "go-forward: balance needs the gyro and accelerometer of the board: give gyro=use, "
-                "and --imu for the virtual robot, or give balance=none");
+                "go-forward: the option `balance` needs the gyro and accelerometer of the board: "
+                "give gyro=use (and --imu if the robot is virtual), or give balance=none");
   auto walker = KAZ_TRY(Walker::begin(context, kGoForward.name, settings));
   const double distance = context.options.number("distance");
   const motion::Motion& motion = walker.motion();

@@ -15,8 +15,7 @@ struct Option {
   std::string_view name;     // such as "seconds"
   std::string_view initial;  // default value
   // Valid choices, such as "keep|straight|home". If `choices` is empty, the value is a number in [min, max].
-  // If is_valid is not null, `choices` must not be empty: error messages use it as a description of the valid
-  // texts.
+  // If is_valid is not null, `choices` must contain a description of the valid texts for error messages.
   std::string_view choices = {};
   double min = 0, max = 0;
   std::string_view text = {};  // description of the option with the unit, one line

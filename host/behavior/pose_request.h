@@ -23,8 +23,8 @@ struct PoseRequest {
 
 // Error message of a run without a source of requests.
 inline constexpr const char* kNoRequests =
-    "pose needs --view and the virtual robot: give --view without --robot. For a robot at a port, "
-    "use kaz run play --poses FILE";
+    "kaz run pose needs --view and the virtual robot: give --view, and leave --robot out. For a "
+    "robot at a port, use kaz run play --poses FILE";
 
 // Errors (usage): the line is not one of the requests above; the message lists the valid forms.
 Result<PoseRequest> parse_pose_request(std::string_view line);

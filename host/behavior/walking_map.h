@@ -49,12 +49,13 @@ class WalkingMap {
   void fade(const motion::Place& place);
   struct Remembered {
     map::FloorView view;
-    int pose = 0;           // number that the pose filter gave to the pose of this view
+    int pose = 0;           // number of this view's pose, from PoseFilter::remember()
     Eigen::Vector3d drawn;  // estimated pose at the time when the view was remembered
   };
   map::FloorPictureView view_of(const FloorPicture& picture, const Eigen::Isometry3d& foot) const;
-  // Compares the picture in `matcher` with the view `before`, and corrects the pose. `now`: estimated pose of
-  // the robot at the exposure of the picture.
+  // Compares the picture in `matcher` with the remembered view `before`. If the picture matches this view,
+  // and the pose filter accepts the match, corrects the pose and returns true. `now`: estimated pose of the
+  // robot at the exposure of the picture.
   bool match(const Remembered& before, map::FloorMatcher& matcher, const Eigen::Vector3d& now);
   // Pose of the foot at the exposure; nothing if the posture or the place is unknown.
   std::optional<Eigen::Isometry3d> foot_at(const FloorPicture& picture,
@@ -63,8 +64,8 @@ class WalkingMap {
   map::LocalMap map_;
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
-  // Places of the robot, without the corrections by floor patterns: where fade() last acted, and where a
-  // floor pattern last matched.
+  // `faded_at_`: place of the robot when fade() last acted. `matched_at_`: place of the robot when a floor
+  // pattern last matched. Both places are without the corrections by floor patterns.
   std::optional<motion::Place> faded_at_, matched_at_;
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;

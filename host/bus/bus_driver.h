@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Positions are in steps of a servo's sensor, speeds in steps/s. A request without an answer is sent once
-// more. If the second answer is also missing, the request is counted as missing, and the result is empty. All
-// errors that the functions return are errors of the port.
+// more. If no servo answers the second request either, the result is empty, and the statistics count a
+// missing answer. All errors that the functions return are errors of the port.
 #pragma once
 
 #include <cmath>
@@ -86,8 +86,8 @@ class BusDriver {
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
   // Switches torque off with one packet to all servos. Then reads the torque state of each servo, and writes
-  // again until the servo answers `off`. Ends after at most three rounds over all servos. Also ends as soon
-  // as the time `within` has passed, but always reads at least the first servo.
+  // again until the servo answers `off`. Makes at most three rounds over all servos. Ends earlier when the
+  // time `within` has passed. However, the first servo is always read.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;

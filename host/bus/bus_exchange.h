@@ -82,8 +82,9 @@ class BusExchange {
     return Answer();
   }
 
-  // Sends the single request `together` to all servos, if `together` is given. Then sends a separate request
-  // to each servo that has not answered yet. The function `read_one` makes this request.
+  // If `together` is not empty, first sends `together` as a single request to all servos. Then sends a
+  // separate request to each servo that has not answered yet. The function `read_one` returns the separate
+  // request for a servo.
   template <class ReadOne>
   Result<std::vector<Answer>> query_all(BusDriver::Servos servos, const Answer& together,
                                         std::size_t parameters, ReadOne read_one) {

@@ -40,7 +40,8 @@ struct Equation {
 
 struct JointEstimate {
   host::JointCalibration line;  // rounded to the board's 100 urad
-  // Angle on `line` minus the angle on the nominal line, at the code in the middle of the joint's range.
+  // Difference between two lines at the code in the middle of the joint's range: angle on `line` minus angle
+  // on the nominal line.
   double shift_rad = 0;
   // Expected error of the line, root mean square over the joint's range.
   double expected_error_rad = 0;

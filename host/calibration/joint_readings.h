@@ -7,8 +7,9 @@
 // Stops lie outside the joint limits, and a board does not drive a joint beyond its limits. So the
 // calibration in RAM is replaced by a calibration with 0.85 of the nominal scale. With this calibration,
 // every stop seems to be well inside the limits. To press against a stop, a joint gets a target 6 degrees
-// beyond the stop. The gains are low. So a joint presses with about a third of its torque, and a hand with
-// about a sixth. The caller ensures free space: only the stop may end a joint's motion.
+// beyond the stop. The gains are low. So most joints press against their stops with about a third of their
+// torque. The joints of the hands press with about a sixth of their torque. The caller ensures free space:
+// only the stop may end a joint's motion.
 //
 // Afterwards, the caller must restore gains, limits and calibration.
 #pragma once
@@ -77,9 +78,9 @@ inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// Adds an equation for each stop of a joint without reading the stop. Instead of a reading, the equation uses
-// the code at which the stored calibration `line` has the angle of the stop. A stored calibration passes near
-// the true angles of the stops.
+// Adds an equation for each stop of a joint. No stop is read. Instead, the code of a stop is computed from
+// the angle of the stop with the stored calibration `line`. A stored calibration passes near the true angles
+// of the stops.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
 // Returns the prior standard deviations (g) of the additional unknowns of add_floor(). Each reading has two

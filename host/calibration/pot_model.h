@@ -20,9 +20,9 @@ namespace kaz::calibration {
 inline constexpr int kPotTerms = 5;
 
 // Prior standard deviation of each term, rad. A mounting error is at most 1 degree, and the error of the
-// track's length is at most 1 %. A linearity error is at most 0.5 % of the range (0.95 degrees). The sum of
-// the linearity terms has a third of this limit as its standard deviation. Slow deviations are larger than
-// fast ones (shared/robot/kaz/sensors.xml).
+// track's length is at most 1 %. A linearity error is at most 0.5 % of the range (0.95 degrees). The standard
+// deviation of the sum of all linearity terms is a third of this limit. Slow deviations are larger than fast
+// ones (shared/robot/kaz/sensors.xml).
 inline constexpr std::array<double, kPotTerms> kPotPrior{
     0.6 * kDegree, 0.3 * kDegree, 0.27 * kDegree, 0.14 * kDegree, 0.07 * kDegree};
 // Largest distance of a reading from the nominal line that mounting and linearity errors can explain, rad.

@@ -32,9 +32,9 @@ class StereoPairing {
   // Size of each side's queue. If a queue is full, its oldest picture is dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum time between the exposures of a pair. With a tolerance of at most half the cameras'
-  // period, no later picture is a nearer partner than the first picture within the tolerance. So pairing does
-  // not wait for later pictures.
+  // `tolerance`: maximum time between the exposures of a pair. If `tolerance` is at most half the cameras'
+  // period, the first picture within the tolerance is the nearest partner. So pairing does not wait for later
+  // pictures.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
   // Queues a picture. A picture that is not newer than the last picture of the same side is dropped and

@@ -136,7 +136,7 @@ class Flasher {
   WriterLink writer_;
   std::optional<WriterInfo> info_;
   std::optional<std::uint16_t> board_id_;
-  bool blank_ = false;  // the flash is still blank after boot mode erased it
+  bool blank_ = false;  // true: boot mode has erased the flash, and the flash is still blank
   State state_ = State::untouched;
   Time started_{};
   double min_seconds_ = 0;

@@ -48,7 +48,7 @@ class WriterLink {
  public:
   // All arguments must outlive this object. `lateness` measures delays of this process at the same link and
   // clock, in real time; `lateness` may be null. A failed try does not count if this machine was late during
-  // the try. In each exchange, this rule excuses at most LatenessMeter::kRepetitions tries.
+  // the try. In each exchange, at most LatenessMeter::kRepetitions failed tries are left uncounted.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
@@ -56,8 +56,8 @@ class WriterLink {
   // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
   // Sends requests in order and repeats a request if its reply is missing. Up to KZ_WRITER_WINDOW requests
-  // may wait for replies at the same time. The timeout for a reply is twice the response time, but at least
-  // `patience` and at most four times `patience`. After a repetition, the timeout is up to three times as
+  // may wait for replies at the same time. The timeout for a reply is twice the recent response time, limited
+  // to the range from `patience` to 4 * `patience`. After a repetition, the timeout is up to three times as
   // long. `next` is called when another request can be sent, and returns nothing after the last request.
   // `answered` is called with each reply in order; an error from `answered` ends the exchange.
   Result<void> exchange_all(

@@ -10,16 +10,16 @@
 //   kCanReplies + 1..14    replies from this address
 //   kCanRequests + 15      requests to all boards
 //
-// Each address has two identifiers, one for requests and one for replies. The receiver of a message sends its
-// ISO-TP flow control with the other one of these two identifiers. A broadcast has no flow control, because a
-// broadcast has several receivers.
+// Each address has two identifiers, one for requests and one for replies. The receiver of a request sends
+// ISO-TP flow control with the identifier for replies. The receiver of a reply sends ISO-TP flow control with
+// the identifier for requests. A broadcast has no flow control, because a broadcast has several receivers.
 //
 // A frame with any other address (a damaged frame, or a frame from a test) is sent to all boards. As on a
 // serial line, all boards ignore such a frame. A CAN link cannot transfer pauses between bytes, framing and
 // parity errors, the bit rate, or bytes that are not followed by a zero byte.
 //
-// The kernel aborts a transfer one second after the receiver stops answering. CanLink aborts a transfer
-// earlier, after kGiveUp. So a board that starts to answer again is soon reachable.
+// If a receiver stops answering, the kernel aborts the transfer after one second. CanLink aborts the transfer
+// after the shorter time kGiveUp. So a board that starts to answer again is soon reachable.
 #pragma once
 
 #include <array>
@@ -57,8 +57,8 @@ class CanLink final : public PortLink {
  public:
   enum class End {
     host,  // sends requests to all 14 addresses
-    // Represents the boards with the addresses in Options::addresses: sends their replies, and receives
-    // broadcasts and the requests to these boards.
+    // Acts as the boards with the addresses in Options::addresses. This end sends the replies of these
+    // boards. This end receives broadcasts, and requests to these boards.
     board,
   };
   struct Options {

@@ -1,9 +1,9 @@
 // Relates a board's ticks to host time, with a bound on the error.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A reply of the board contains the number of a tick. Let s be the host time at which this tick started. The
-// times of the request and of the reply limit s, for two reasons. In a tick, the board reads only bytes that
-// arrived before the start of the tick. The reply leaves with the next tick at the earliest. Hence
+// A reply of the board contains the number of a tick. Let s be the host time at which this tick started. Two
+// rules of the board limit s. In a tick, the board reads only bytes that arrived before the start of the
+// tick. The reply leaves with the next tick at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //

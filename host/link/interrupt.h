@@ -35,8 +35,9 @@ class Interrupt {
   // Descriptor for poll(). The descriptor becomes readable with request() and stays readable. During a
   // clean-up, returns -1, which poll() ignores.
   int descriptor() const noexcept;
-  // Returns the timeout for poll(). Usually this is `left`, the time that the caller still has. During a
-  // clean-up, the timeout is shorter if the clean-up ends earlier.
+  // Returns the timeout for poll(). `left`: remaining waiting time of the caller. If a clean-up is active and
+  // ends before `left` has passed, the timeout is the time until the end of the clean-up. Otherwise the
+  // timeout is `left`.
   Time max_wait(Time left) const noexcept;
 
   // The error of an interrupted call: Fault::interrupted, "interrupted".

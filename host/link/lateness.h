@@ -71,14 +71,14 @@ class LatenessMeter final : public Link, public Clock {
   Link& link_;
   Clock& clock_;
   TimeLost other_end_;
-  std::optional<Time> lost_before_;  // other_end_() at begin(); empty: no reply
+  std::optional<Time> lost_before_;  // result of other_end_() in begin(); empty: no result
   mutable bool other_end_gone_ = false;
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt`. If the attempt fails and this process was late by at least `bears` during the attempt,
-// repeats the call, up to kRepetitions times. `bears`: longest delay that an attempt tolerates. If `meter` is
-// null, there is only one attempt.
+// Calls `attempt`. A failed attempt is repeated, up to kRepetitions times, if this process was late by at
+// least the time `bears` during the attempt. An attempt tolerates any shorter delay. If `meter` is null,
+// there is only one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

@@ -54,7 +54,7 @@ class PortServer final : public PortLink {
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }
   // The descriptor also becomes readable when a client connects. A client's command waits until the board's
-  // port has sent all its bytes; during this time, the function returns -1.
+  // port has sent all bytes. While a command waits, descriptor() returns -1.
   int descriptor() const override { return command_ ? -1 : events_.get(); }
   bool has_unsent() const override {
     return stream_.has_unsent() || !data_.empty() || !wire_.empty() || command_;

@@ -92,8 +92,9 @@ enum class End { client, server };
 // So two ends that negotiate never answer each other endlessly.
 class Options {
  public:
-  // Writes this end's initial offers and requests. A server does not offer option 44 first. Reason: the
-  // client pyserial would mistake this offer for a reply, and would never send its own offer.
+  // Writes this end's initial offers and requests. A server does not offer option 44 first. If a server
+  // offered option 44 first, the client pyserial would mistake this offer for a reply, and would never send
+  // its own offer.
   void begin(End end, std::vector<std::uint8_t>& wire);
   // Processes an option command from the other end, and appends the reply to `wire` if a reply is due.
   void take(const Command& command, std::vector<std::uint8_t>& wire);

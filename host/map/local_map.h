@@ -19,25 +19,26 @@
 //   height of the point must also be larger than three times its standard deviation. A cell's vote is 1 if
 //   the cell's points fill a quarter of the cell's width and height. The vote is less if a neighboring cell
 //   has more points. Stereo errors move a point only along its ray, and the face of an obstacle is never
-//   nearer than the obstacle's foot. So the position of a point is wrong if the same picture shows floor in
-//   its cell. Such a point is moved along its ray by up to two sigma, to a cell without floor. If the floor
-//   ends below a point in the picture, the distances of this end and of the point are compared. If the
-//   distances differ by at most three sigma, the point is moved to the end of the floor. A face without
-//   texture has no depth between its two edges. If both edges are at the end of the floor, the whole face is
-//   placed there (contact_line.h).
+//   nearer than the obstacle's foot. So if the same picture shows floor in the cell of a point, the position
+//   of this point is wrong. Such a point is moved away from the camera along its ray, by up to two sigma, to
+//   a cell without floor. If the floor ends below a point in the picture, the distances of this end and of
+//   the point are compared. If the distances differ by at most three sigma, the point is moved to the end of
+//   the floor. A face without texture has no depth between its two edges. If both edges are at the end of the
+//   floor, the whole face is placed there (contact_line.h).
 // - Hole. A point counts as below the floor if its depth below the floor exceeds both `drop_m` and three
 //   sigma. The point's ray must have crossed the plane of the floor at a place without floor. The cell at
 //   this place is an obstacle.
 //
-// Some points are strays and do not count. A point is a stray if the points above and below have another
-// depth. A point is also a stray if its cell and the eight neighboring cells have too few points for even a
-// low obstacle. If an object stands at the end of the floor, a lower point beyond this end is a stray, too.
-// The depth of such a point is a mixture of the depths of the object's rim and of the floor behind the object
-// (contact_line.h).
+// Some points are strays and do not count. A point is a stray if the point above or the point below has
+// another depth. A point is also a stray if its cell and the eight neighboring cells together contain too few
+// points (kMinPoints and kMinShare in votes.h). If an object stands at the end of the floor, a lower point
+// beyond this end is a stray, too. The depth of such a point is a mixture of the depths of the object's rim
+// and of the floor behind the object (contact_line.h).
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
-// it. If the robot walks, its posture gives less exact values: one sigma is 0.65 degrees for the angles and 4
-// mm for the height. At a distance of 1 m, such errors move a point of the floor by 4 cm.
+// this plane. Otherwise these values are computed from the robot's posture, which is less exact. While the
+// robot walks, one sigma of the computed values is 0.65 degrees for the angles and 4 mm for the height. At a
+// distance of 1 m, such errors move a point of the floor by 4 cm.
 //
 // The weight of a vote is min(1, cell_m / dz). Here, dz is the standard deviation of the depth z: dz =
 // disparity_error_px * z^2 / (fx * baseline). Votes add up as log-odds, so their order does not matter until
@@ -131,7 +132,8 @@ class LocalMap {
   // Returns the number of the cell that contains the coordinate `m`, along either axis.
   int number(double m) const;
   double middle(int cell) const;  // center of a cell, m
-  // Returns the state of cell(), but replaces an obstacle with only a single vote by unknown.
+  // Returns the state of cell(), with one exception: for an obstacle with only one vote, returns
+  // CellState::unknown.
   CellState certain(int x, int y) const;
   CellState certain_at(double x_m, double y_m) const { return certain(number(x_m), number(y_m)); }
   // Returns the log-odds of an obstacle in the cell; 0 if unknown.

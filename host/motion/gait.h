@@ -17,7 +17,8 @@
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
 // edge of this sole must be at least `margin`. A swing is centered on the peak of the sine and lasts for the
-// share `swing` of the cycle. So at the beginning and at the end of a swing, sin(2 pi phase) = cos(pi swing).
+// share `swing` of the cycle. At the beginning and at the end of a swing, the sine therefore has this value:
+//   sin(2 pi phase) = cos(pi swing).
 // The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole.
 // These conditions determine the amplitude of the trunk's roll, which roll_for() computes.
 #pragma once

@@ -33,8 +33,8 @@ class Pickup {
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
   // Returns the target angle of the closing hand, rad.
   double closed() const { return closed_; }
-  // Returns an angle of the hand joint, rad. A ball of this radius stops the closing hand at this angle or
-  // earlier.
+  // Returns a limit for the angle of the hand joint, rad. The angle increases while the hand closes. If the
+  // ball is in the hand, the hand stops at this angle or at a smaller angle.
   double stopped() const { return stopped_; }
 
   // Returns the angles of legs, arms and hands (not of the neck). Before time 0, returns the first pose.

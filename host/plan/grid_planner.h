@@ -6,10 +6,10 @@
 // the next heading on either side. The cost is time.
 //
 // The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
-// heading. The heuristic never exceeds the time of a path, for two reasons. First, every path contains a step
-// in the direction of the goal, or steps to both sides of this direction. So every path turns at least as far
-// as the heuristic assumes. Second, every path is at least as long as the distance to the goal. So A* finds
-// the fastest path on this graph.
+// heading. The heuristic never exceeds the time of a path, for two reasons. First, no path turns less than
+// the heuristic assumes. A path with a step straight toward the goal turns to the goal's direction. A path
+// without such a step turns past the goal's direction. Second, every path is at least as long as the distance
+// to the goal. So A* finds the fastest path on this graph.
 //
 // If PlanOptions::any_heading is true, straight lines of any heading then replace parts of the path. A line
 // must be free of obstacles. Dynamic programming over pairs of corners, with time as cost, selects the lines.

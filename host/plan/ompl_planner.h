@@ -22,9 +22,11 @@ namespace kaz::plan {
 
 struct OmplOptions {
   std::uint64_t seed = 1;
-  // Maximum number of batches, 1 or more. More batches take longer and find faster paths.
+  // Number of batches after which the search ends if a path has been found; 1 or more. More batches take
+  // longer and find faster paths.
   int batches = 3;
-  // Maximum number of batches while no path has been found. Values below `batches` have no effect.
+  // Number of batches after which the search ends even if no path has been found. If this number is smaller
+  // than `batches`, `batches` is used instead.
   int batches_until_found = 6;
   int batch_size = 100;  // number of poses in a batch, 1 or more
 };

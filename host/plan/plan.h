@@ -94,8 +94,7 @@ struct Path {
   double seconds = 0;
   // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
   // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
-  // `seconds` can be slightly longer than `searched_seconds`. The difference is at most the time to walk the
-  // diagonal of one cell (half near the start, half near the goal).
+  // `seconds` can exceed `searched_seconds` by up to the time to walk the diagonal of one cell.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };
@@ -105,12 +104,12 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // Position of the obstacle in the way. For enclosed and not_found: the obstacle beside the narrowest place
-  // on the way to the goal. Among several ways, the way whose narrowest place is widest counts. For
+  // Position of the obstacle in the way. For enclosed and not_found: the planner considers the way to the
+  // goal on which the widest robot could walk. The obstacle is beside the narrowest place of this way. For
   // start_outside and goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
-  // Distance from the obstacle at `where` to the start (start_blocked), the goal (goal_blocked), or the
-  // narrowest place.
+  // Distance from the obstacle at `where` to the start (start_blocked), to the goal (goal_blocked), or to the
+  // narrowest place (enclosed, not_found).
   double clear_m = 0;
 };
 // Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs

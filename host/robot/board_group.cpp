@@ -311,8 +311,8 @@ Result<void> check_boards(std::span<const RobotBoard> boards) {
   for (const RobotBoard& board : boards) {
     if (board.joints == 0 || (board.joints & ~kAllJoints) != 0)
       return fail(Fault::usage,
-                  "a board has no joints, or joints that Kaz does not have: give each board its "
-                  "joints");
+                  "a board has no joints, or a board has a joint that Kaz does not have: give each "
+                  "board its joints");
     if (const std::uint32_t twice = all & board.joints)
       return fail(Fault::usage,
                   "two boards drive " + joint_names_of(twice) + ": assign each joint to one board");

@@ -7,10 +7,11 @@
 // - Board time is the time of the first board, the reference. The ticks of other boards are converted to the
 //   reference's ticks through host time (clock_relation.h).
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
-//   interpolated between the last two states, or extrapolated by at most kMaxAhead. The error of such an
-//   angle is the joint's speed times the time error of both clock relations (0.1 ms to 1 ms).
-// - A status flag of the group is set if any board sets this flag, with two exceptions. ENABLED is set only
-//   if it is set by all boards whose motors should be on. UNLOCKED is set only if it is set by all boards.
+//   interpolated between the last two states, or extrapolated by at most kMaxAhead. The error of these angles
+//   is the joint's speed times a time error of 0.1 ms to 1 ms. The two clock relations cause the time error.
+// - The group sets a status flag if any board sets this flag, with two exceptions. The group sets ENABLED
+//   only if each board whose motors should be on sets ENABLED. The group sets UNLOCKED only if each board
+//   sets UNLOCKED.
 // - If one board shuts down, the motors of all boards are switched off, unless the board's link watchdog
 //   caused the shutdown.
 // - If one board refuses a request, the group reports the request as refused, even if other boards have

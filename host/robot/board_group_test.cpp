@@ -277,7 +277,8 @@ TEST(Boards, EachJointIsOnOne) {
   EXPECT_EQ(sentence(kUpper, kLower | 2),
             "two boards drive neck_tilt: assign each joint to one board");
   EXPECT_EQ(sentence(kAllJoints, 0),
-            "a board has no joints, or joints that Kaz does not have: give each board its joints");
+            "a board has no joints, or a board has a joint that Kaz does not have: give each board "
+            "its joints");
 }
 
 TEST(Boards, AMissingBoardIsNamed) {

@@ -15,7 +15,7 @@ namespace kaz::host {
 Result<kz_identify_reply> identify_board(Exchanger& requester);
 // Longest delay of the host or the board that identify_board() tolerates with the default RequesterOptions. A
 // late reply waits in the port, and a reply to an earlier try also counts. So the function fails only after
-// all tries. All tries together take 0.95 s, and a delay of half this time is always tolerated.
+// all tries. All tries together take 0.95 s. The function always tolerates a delay of half this time.
 inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 
 // Returns a version number from an identify_reply or an image header as text, such as "0.2".

@@ -21,8 +21,8 @@ class PostureHistory {
   void add(const Posture& posture);
 
   // Interpolates angles linearly between the postures before and after `t`. Tick, status and supply are
-  // copied from the nearer posture. Returns nullopt if `t` is outside the history, or if neither of the two
-  // postures is within kReach of `t`.
+  // copied from the nearer posture. Returns nullopt if `t` is outside the history. Also returns nullopt if
+  // the nearer posture is more than kReach away from `t`.
   std::optional<Posture> at(Time t) const;
 
   std::optional<Time> newest() const;

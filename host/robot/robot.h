@@ -57,8 +57,8 @@ class Robot {
   ~Robot();  // does not switch motors off; see disable_all
 
   const kz_identify_reply& identity() const;
-  // Returns a wrapper of the clock that was passed to connect(). While motors are on, its sleep_until() also
-  // sends heartbeats, which restart the link watchdog.
+  // Returns a wrapper of the clock that was passed to connect(). While motors are on, the function
+  // sleep_until() of the wrapper also sends heartbeats. Each heartbeat restarts the link watchdog.
   Clock& clock();
 
   // ---- Motion

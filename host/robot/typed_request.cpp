@@ -132,7 +132,7 @@ const char* remedy(std::uint8_t reason) {
     case KZ_SHUTDOWN_REFERENCE:
       return "check the analog inputs for a short";
     case KZ_SHUTDOWN_STALL:
-      return "free the joint, or change a target that is inside an obstacle";
+      return "free the joint; if the joint's target is inside an obstacle, change the target";
     case KZ_SHUTDOWN_OVERLOAD:
       return "let the motor cool";
     default:

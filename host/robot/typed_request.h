@@ -13,10 +13,10 @@ namespace kaz::host {
 // in the request, so that the message contains the refused value; empty for a request without targets.
 Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targets);
 
-// Returns the error for a target that is outside `set`. `set`: the present limits of the joint on the board,
-// possibly set by another program. If `set` is narrower than the joint's own limits, the message contains
-// `set` and the command `recover`. This command restores the joint's own limits. `joint` must be in the joint
-// table.
+// Returns the error for a target outside the joint's present limits. `set`: the present limits of the joint
+// on the board, possibly set by another program. `recover`: a command that restores the joint's own limits.
+// If the present limits are narrower than the joint's own limits, the message contains the present limits and
+// this command. `joint` must be in the joint table.
 Error outside_set_limits(int joint, std::span<const JointTarget> targets, const Limits& set,
                          const std::string& recover);
 

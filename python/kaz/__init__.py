@@ -32,7 +32,7 @@ if _share.is_dir():
 
 
 def _what_to_do(error):
-    """Returns a message if the error is a missing compiled module or numpy, and None for other errors."""
+    """Returns a message if numpy or the compiled module is missing, and None for other errors."""
     folder = _pathlib.Path(__file__).absolute().parent
     this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
     modules = sorted(module.name for module in folder.glob("_kaz.*.so"))

@@ -81,7 +81,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv  # type: ignore
 except ImportError:
     class _Env:  # type: ignore
-        """Replaces gymnasium.Env if Gymnasium is missing, but without `reset`, `step` and the spaces."""
+        """Replaces gymnasium.Env if Gymnasium is missing. The class has no `reset`, `step` or spaces."""
 
         metadata = {"render_modes": []}
         render_mode = None

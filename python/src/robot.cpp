@@ -316,9 +316,9 @@ void add_robot(py::module_& module) {
       // Not &Robot::stop: pybind11 would take self by pointer, so None would be null.
       .def(
           "stop", [](Robot& self) { self.stop(); },
-          "Switches the motors off at once. Can be called from any thread. A call that another "
-          "thread executes at this time raises Stopped. Returns when the board has confirmed that "
-          "the motors are off.")
+          "Switches the motors off at once. Can be called from any thread. If another thread is in "
+          "a call on this robot, the call of the other thread raises Stopped. Returns when the "
+          "board has confirmed that the motors are off.")
       .def("clear",
            [](Robot& self) { self.alone([&](host::Robot& robot) { return robot.clear(); }); })
       .def(

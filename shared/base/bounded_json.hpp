@@ -75,7 +75,9 @@ class Guard final : public nlohmann::json_sax<Json> {
 
   std::string_view text_;
   std::string why_;
-  std::vector<std::set<std::string>> keys_;  // keys read so far, for each open object; lists: empty
+  // The vector has one element for each open object or list. The element of an object has the keys read so
+  // far. The element of a list is empty.
+  std::vector<std::set<std::string>> keys_;
 };
 
 }  // namespace bounded_json_detail

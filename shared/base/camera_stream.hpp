@@ -39,7 +39,8 @@ struct CameraStreamHeader {
 };
 
 struct CameraStreamPair {
-  char magic[4];             // kCameraPairMagic; if not, the reader has lost synchronization
+  // kCameraPairMagic. Any other value means that the reader has lost synchronization.
+  char magic[4];
   std::uint32_t reserved;    // 0
   std::uint64_t sequence;    // number of the exposure, from 0 at the publisher's start
   std::int64_t exposure_ns;  // middle of the exposure on CLOCK_MONOTONIC

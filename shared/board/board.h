@@ -50,8 +50,9 @@
 // Converts 0.1 degrees to 100 microradians: pi/1800 * 1e4 = 17.453293. Integer arithmetic gives the
 // same result on the H8 and on the PC.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
-// Joint angle at potentiometer code 512, in units of 100 urad, computed from the columns of joints.def. The
-// converter rounds down, so the middle of code 512 is half a code (16.19 units) beyond its beginning.
+// Joint angle in the middle of potentiometer code 512, in units of 100 urad, computed from the columns of
+// joints.def. The converter rounds down, so the angle in joints.def is the beginning of code 512, not the
+// middle. The middle is half a code, or 16.19 units, beyond the beginning.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

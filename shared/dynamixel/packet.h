@@ -96,9 +96,10 @@ inline std::uint8_t high(std::size_t value) {
   return static_cast<std::uint8_t>(value >> 8);
 }
 
-// Size of the header, id, length and instruction at the start of the joined reply to a fast read, bytes.
+// Several servos answer a fast read with one joined reply. kFastHead is the number of bytes at the start of
+// the joined reply: header, id, length and instruction.
 inline constexpr std::size_t kFastHead = 8;
-// Size of the error, id and CRC that each servo adds to its data in a joined reply, bytes.
+// kFastFrame is the number of bytes that each servo adds to its data in a joined reply: error, id and CRC.
 inline constexpr std::size_t kFastFrame = 4;
 
 // Stream decoder: finds packets in received bytes. Not thread-safe.

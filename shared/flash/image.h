@@ -37,8 +37,8 @@ typedef struct kz_image_header {
 typedef struct kz_loader_mark {
   u32 loader_id;
   u8 unused[26];
-  // CRC (kz_crc16, start 0xFFFF) of the vectors, followed by the loader without this mark. The vectors are
-  // the first KZ_VECTORS_SIZE bytes of flash. The loader begins at KZ_LOADER.
+  // CRC of two areas: first the vectors, then the loader without this mark (kz_crc16, start 0xFFFF). The
+  // vectors are the first KZ_VECTORS_SIZE bytes of flash. The loader begins at KZ_LOADER.
   u16 crc;
 } kz_loader_mark;
 

@@ -41,9 +41,9 @@
 #define KZ_WRITER_BRR_MAX 119  // 4,800 baud
 // ERASE: the request has the number of the block (1), 0..9.
 #define KZ_WRITER_ERASE 3
-// WRITE: the request has an address (4) and data (whole lines of 32 bytes). The reply has the low half (2) of
-// an address. If a line failed, this is the address of the first line that failed. If no line failed, this is
-// the address after the last byte of the data.
+// WRITE: the request has an address (4) and data (whole lines of 32 bytes). The reply has the lower 16 bits
+// of an address (2). If a line failed, the address is that of the first line that failed. If no line failed,
+// the address is the one after the last byte of the data.
 //
 // A request that reaches beyond the end of flash writes nothing to flash.
 //

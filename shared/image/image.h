@@ -85,8 +85,8 @@ enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 struct LoadOptions {
   // Automatic: the format is detected from the first bytes; raw is never detected.
   Format format = Format::automatic;
-  // Address of the first byte of a raw image. The program also starts at this address. Must be nullopt for
-  // other formats.
+  // Address of the first byte of a raw image. The first byte is also the start of the program. For other
+  // formats, `address` must be nullopt.
   std::optional<std::uint32_t> address;
 };
 // Reads an image file of up to 128 MB. Returns an error if the file is unreadable or invalid.

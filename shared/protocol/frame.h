@@ -18,11 +18,13 @@
 //     detects each such burst.
 //   - The first zero. The receiver then includes the damaged byte in its CRC. Each possible value of this
 //     byte changes the CRC, so the check is wrong.
-//   - The last zero. The first byte of the check is then in the place of a stuffing byte. Stuffing bytes are
-//     below 0x80, but bytes of the check are not, so the receiver rejects the frame.
-//   - A byte inside the frame that becomes zero. The frame is then split into two parts. The first part is
-//     rejected: only a check that begins with a stuffing byte would match. A stuffing byte is below 0x80, but
-//     a byte of a check is not. The check of the second part is valid only if kz_frame_splits returns 1.
+//   - The last zero. The receiver then takes the first byte of the check for a stuffing byte. Stuffing bytes
+//     are below 0x80, but bytes of a check are not, so the receiver rejects the frame.
+//   - A byte inside the frame that becomes zero. The frame is then split into two parts. The receiver takes
+//     the last three bytes of the first part for its check. Either the first of these three bytes is a
+//     stuffing byte, or the stuffing before these bytes is incomplete. The receiver rejects the first part in
+//     both cases: bytes of a check are never below 0x80, and incomplete stuffing is invalid. The check of the
+//     second part is valid only if kz_frame_splits returns 1.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -71,7 +73,7 @@ u16 kz_crc16(u16 crc, u8 byte);
 typedef struct kz_receiver {
   u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
   u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
-  u8 state;   // at most KZ_RECEIVER_BETWEEN: no frame has begun
+  u8 state;   // above KZ_RECEIVER_BETWEEN: a frame has begun; otherwise: no frame has begun
   u8 body[KZ_BODY_MAX + 4];  // body; during reception, the stuffed bytes and the check
   u8 silent_ms;              // time since the last byte, ms; if bytes arrive, the caller sets 0
 } kz_receiver;
@@ -86,10 +88,11 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
 // Performs the work of kz_receiver_silent if a frame has begun.
 u8 kz_receiver_waited(kz_receiver* receiver);
-// Call kz_receiver_silent for each millisecond without a byte. If a frame has begun, the call that completes
-// KZ_IDLE_MS consecutive calls drops the frame. This call returns KZ_RECEIVE_IDLE, or the damage that was
-// found in the frame before. All other calls return KZ_RECEIVE_MORE. If bytes arrive, the caller must set
-// silent_ms to 0.
+// Call kz_receiver_silent for each millisecond without a byte. If bytes arrive, the caller must set silent_ms
+// to 0. If a frame has begun and no byte arrives for KZ_IDLE_MS milliseconds, the function drops the frame
+// and returns KZ_RECEIVE_IDLE. If the dropped frame was already invalid (too long, or with a damaged or lost
+// byte), the function returns the code of this error instead of KZ_RECEIVE_IDLE. In all other cases, the
+// function returns KZ_RECEIVE_MORE.
 static inline u8 kz_receiver_silent(kz_receiver* receiver) {
   return receiver->state > KZ_RECEIVER_BETWEEN ? kz_receiver_waited(receiver) : KZ_RECEIVE_MORE;
 }

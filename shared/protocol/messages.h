@@ -97,8 +97,8 @@ extern "C" {
 #define KZ_CENTRE_TOLERANCE 5000  // 0.5 rad around the nominal value
 
 // Gains after a reset. With these gains, no joint oscillates across its gear backlash at any load
-// (docs/howto/bench.md, step.hunting). Behaviors set other gains. One unit of kp is 1/256 per rad, and one
-// unit of kd is 1/4096 s/rad.
+// (docs/howto/bench.md, step.hunting). The host's behaviors replace these gains
+// (host/behavior/control_cycle.cpp). One unit of kp is 1/256 per rad, and one unit of kd is 1/4096 s/rad.
 #define KZ_KP_DEFAULT 4096  // kp of 16 per rad
 #define KZ_KP_HAND 205      // kp of 0.8 per rad for the hands, so that their jaws stay compliant
 #define KZ_KD_DEFAULT 369   // kd of 0.09 s/rad
@@ -172,9 +172,9 @@ enum kz_size {
 //
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
-// A field with a mask contains one number for each set bit of the mask, but at most the maximum of the
-// message. Mask bits above the highest joint have no number. Unpacking sets the numbers of joints that are
-// not in the mask to 0.
+// A field with a mask contains one number for each set bit of the mask. If the mask has more than `most` set
+// bits (messages.def), only the lowest `most` set bits have a number. Mask bits above the highest joint have
+// no number. Unpacking sets the numbers of joints that are not in the mask to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

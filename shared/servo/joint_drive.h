@@ -8,8 +8,9 @@
 #define KZ_DUTY_MAX 255
 #define KZ_DRIVE_SHIFT 11  // the unit of a drive is 1/2048 of a count of duty
 
-// The unit of distances is 100 urad, and the unit of rates is 100 urad per 64 ms. In these units, the maximum
-// rate toward a limit is distance + min(distance, KZ_NEAR_LIMIT), as in joint_loop.h.
+// The unit of distances is 100 urad, and the unit of rates is 100 urad per 64 ms. A limit bounds the rate of
+// a joint that moves toward the limit (joint_loop.h). In these units, the maximum rate is:
+// distance + min(distance, KZ_NEAR_LIMIT).
 #define KZ_NEAR_LIMIT 1000  // 0.1 rad
 // Rates up to KZ_SLOW, 0.5 rad/s, are not braked. If noise changes the A/D code of a resting joint by 1, the
 // measured rate stays below KZ_SLOW.

@@ -9,9 +9,10 @@
 //
 // A faster joint is braked with up to full drive. At and beyond a limit, drive further outward is cut.
 //
-// With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. To stay below the maximum
-// speed, a joint near a limit must decelerate at speed / T. The hips carry the largest inertia, 0.02 kg m2
-// (leg stretched). To brake from 12 rad/s, a hip needs 3.8 Nm; reverse drive and back-EMF give 4.4 Nm.
+// With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. While a joint approaches a
+// limit at the maximum speed, the joint's deceleration must be speed / T. Within 0.1 rad of the limit, the
+// joint's deceleration must be 2 * speed / T. The hips carry the largest inertia, 0.02 kg m2 (leg stretched).
+// To brake from 12 rad/s, a hip needs 3.8 Nm; reverse drive and back-EMF give 4.4 Nm.
 //
 // To save time, the full computation runs only for `constrained` joints. A joint is constrained if it has a
 // dead band or friction, or is near a limit. Every 4 ms, protection.c checks whether a joint is near a limit.

@@ -72,7 +72,7 @@ typedef struct kz_tick_input {
 
 // Outputs of a tick. The outputs reach the pins and the serial line at the start of the next tick.
 typedef struct kz_tick_output {
-  u8 pw[16];  // values of PWDR0..15; in each period, an output is high for pw / 256 of the time
+  u8 pw[16];  // values of PWDR0..15; output i is high for pw[i] / 256 of each period
   u8 tmo[2];  // time for which the outputs TMO0 and TMO1 are high, in counts
   u8 p3;      // port data: direction bits (joints.def), other bits 0
   u8 p4;      // direction bits and KZ_P4_ENABLE; the A/D driver adds the multiplexer bits

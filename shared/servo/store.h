@@ -48,7 +48,7 @@ typedef struct kz_store {
   u8 parts;      // lines per copy
   u8 block;      // block of the newest copy, 0 if there is no copy
   u8 line;       // first line of the newest copy
-  u8 used[2];    // used lines of each block: all up to the last line that is not blank
+  u8 used[2];    // number of lines of each block from line 0 to the last line that is not blank
   u8 erases[2];  // number of erasures of each block, saturated at 255
 } kz_store;
 
@@ -71,7 +71,8 @@ void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Writes one part of the planned copy to `line` (32 bytes). The caller must then program these 32 bytes into
-// line number plan->line + part of the block. `data` has KZ_STORE_DATA bytes.
+// a line of the block plan->block. The number of this line is: plan->line + part. `data` has KZ_STORE_DATA
+// bytes.
 void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan, u8 part,
                      const u8* data);
 

@@ -55,11 +55,11 @@ struct SensorParams {
 // Switches for the errors of the sensors. True: the sensor has errors and noise. False: the output of the
 // sensor is exactly the nominal output.
 struct SensorSwitches {
-  bool potentiometer = true;  // noise; beyond the terminals, the wiper has no contact
+  bool potentiometer = true;  // noise, and no contact of the wiper beyond the terminals
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
-  bool supply = true;         // noise; this switch does not affect the sag of the supply
+  bool supply = true;         // noise of the measured supply voltage; the supply sags in any case
   bool reference = true;      // noise
-  bool temperature = true;    // noise; this switch does not affect the drivers' heating
+  bool temperature = true;    // noise of the measured temperature; the drivers heat up in any case
   bool gyro = true;           // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 

@@ -64,7 +64,9 @@ class HalfDuplexLine {
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    Time after{};  // when next() returns the byte in `next`, it sets `from` to this time
+    // Time of the middle of the stop bit of the byte in `next`. When next() returns this byte, `after`
+    // becomes the new value of `from`.
+    Time after{};
   };
 
   bool level(std::size_t node, Time at) const;

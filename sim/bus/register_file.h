@@ -23,10 +23,10 @@ class RegisterFile {
   // Returns the value of a register, or `otherwise` if the model does not have the register.
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
-  // Writes a register like the servo's firmware, which can also write read-only registers. Clamps the value
-  // to the register's range. Exception: the range of a writable DYNAMIXEL register is ignored. Its value is
-  // only clamped to numbers that fit into the register's bytes. The function has no effect if the model does
-  // not have the register.
+  // Writes a register as the servo's firmware would, also if a host can only read the register. Clamps the
+  // value to the register's range. Exception: the range of a writable DYNAMIXEL register is ignored. Its
+  // value is only clamped to numbers that fit into the register's bytes. The function has no effect if the
+  // model does not have the register.
   void set(std::string_view name, int value);
   // Writes one of the consecutive registers that `reg` describes. `index` is the number of this register,
   // counted from 0. An EEPROM register keeps the value without power, unless the EEPROM is locked.

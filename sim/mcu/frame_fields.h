@@ -18,8 +18,10 @@ std::vector<std::uint8_t> sent_body(const kz_sender& sender);
 
 // Returns the fields in which two bodies differ, such as "state_reply.angle[3]" or
 // "state_reply.header.sequence". If the types differ, the only result is "type (NAME, NAME)" with the two
-// type codes. The result is empty if the bodies are equal or a type is unknown. If only one body contains an
-// array element, the result omits the element. The result then contains the mask field, which also differs.
+// type codes. The result is empty if the bodies are equal or a type is unknown. If an array has a mask field,
+// a body contains only the array elements whose mask bit is 1. If an element is missing from one of the two
+// bodies, the result omits the element. The mask fields of such bodies differ, and the result contains the
+// mask field.
 std::vector<CompareDifference> frame_differences(std::span<const std::uint8_t> native,
                                                  std::span<const std::uint8_t> h8);
 

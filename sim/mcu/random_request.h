@@ -16,10 +16,11 @@
 
 namespace kaz::sim {
 
-// Damages a frame at random; the frame must not be empty. Five random faults and no fault are equally likely.
-// A fault flips a bit, removes a byte, inserts a byte, cuts off the end, or replaces the frame with up to
-// `max_noise` random bytes. After a cut or a replacement, the frame has at least `min_length` bytes (0 or 1).
-// Without a fault, the function returns false.
+// Damages a frame at random; the frame must not be empty. The function selects one of five faults or no
+// fault. All six choices have the same probability. Three of the faults flip a bit, remove a byte, or insert
+// a byte. The fourth fault cuts off the end. The fifth fault replaces the frame with up to `max_noise` random
+// bytes. After a cut or a replacement, the frame has at least `min_length` bytes (0 or 1). Without a fault,
+// the function returns false.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 

@@ -67,7 +67,7 @@ class RandomAnalog {
   std::uint64_t seed_;
   Random random_;
   std::array<Input, KZ_ANALOG> inputs_{};
-  // Remaining time in which no further input breaks, so that the control loops run.
+  // Remaining time during which no further input goes to a rail. During this time, the control loops can run.
   int calm_ms_ = 2000;
 };
 

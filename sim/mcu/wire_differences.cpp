@@ -48,13 +48,13 @@ constexpr WireException exceptions[] = {
      "5,900 states after the tick's due time",
      "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
     {"input voltages",
-     "sampled 800 to 7,300 states after a tick's due time, but AN4 and AN5 at any time",
+     "`AN4` and `AN5` are sampled at any time; other inputs 800 to 7,300 states after a tick's due "
+     "time",
      "the same inputs in the same order, within 200 states of `h8`",
-     "the comparison changes a voltage only when 15,000 states have passed since a tick's due "
-     "time"},
+     "the comparison changes voltages only 15,000 or more states after a tick's due time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
-    {"a byte that a reset or a power cut interrupts", "the pin shows its first bits",
+    {"a byte that a reset or a power cut interrupts", "the pin shows the byte's first bits",
      "the pin shows no bit", "the comparison ignores this byte"},
 };
 

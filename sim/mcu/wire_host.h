@@ -24,8 +24,8 @@
 
 namespace kaz::sim {
 
-// No byte of the host may end while a tick reads the receive ring, or while a starting board enables its
-// receiver. This structure contains these times.
+// Times at which no byte from the host may end. In each tick, no byte may end while the tick reads the
+// receive ring. After a reset, no byte may end between `closed_from` and `closed_until`.
 struct WireWindows {
   bool ticks = false;  // whether the board runs ticks
   States tick_at = 0;  // due time of one tick; the other due times follow from the tick period

@@ -10,8 +10,8 @@
 
 namespace kaz::sim {
 
-// Rounds down. The board's crystal has 18.432 MHz, so one state lasts 15,625 / 288 ns. A millisecond is a
-// whole number of states and of nanoseconds.
+// Rounds down. The frequency of the board's crystal is 18.432 MHz. Therefore one state lasts about 54.25 ns
+// (exactly 15,625 ns divided by 288). A millisecond is a whole number of states and of nanoseconds.
 constexpr Time time_of(States states) {
   return Time(states * 15625 / 288);
 }

@@ -107,8 +107,8 @@ int parse_and_run(int argc, char** argv) {
   program
       .add_option(
           "--engine", arguments.settings.engines,
-          "emulator engines to measure, separated by commas; unless the engine is the default, "
-          "the names of its numbers end with the engine's name")
+          "emulator engines to measure, separated by commas. The names of an engine's numbers end "
+          "with the engine's name, except for the default engine")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
   program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")

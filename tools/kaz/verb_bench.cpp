@@ -60,10 +60,10 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->capture_default_str()
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
-                  "motor stand, only for a board at a port. ctl:PATH selects the simulated stand "
-                  "of kaz sim --stand, whose control socket is PATH. With --stand manual, prompts "
-                  "tell you when to clamp the shaft, press on it and read the scale. Without "
-                  "--stand, measurements that need a stand are left out")
+                  "motor stand, only for a board at a port. With --stand ctl:PATH, the stand is "
+                  "simulated by kaz sim --stand, and PATH is the control socket of kaz sim. With "
+                  "--stand manual, prompts tell you when to clamp the shaft, press on it and read "
+                  "the scale. Without --stand, measurements that need a stand are left out")
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
                   "no-load supply voltage of the stand, V; some measurements set their own voltage")
@@ -79,8 +79,8 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
   for (const char* name : {"--motor-file", "--motor"})
     verb.get_option(name)->excludes(verb.get_option("--robot"));
   verb.get_option("--disc")->description(
-      "inertia of the disc on the motor's shaft; with --stand manual, this is the disc that you "
-      "have mounted");
+      "inertia of the disc on the motor's shaft. With --stand manual, give the inertia of the disc "
+      "that you have mounted");
 }
 
 using Chooser = void (*)(BenchOptions&);
@@ -105,7 +105,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
             "--allow-motion, the joints stay off, and the board refuses the targets. A refusal is "
-            "as long as an acknowledgment, so the load of the link is the same");
+            "3 bytes longer than an acknowledgment");
   // Of motors alone it is a permission, which is asked for at such a port only.
   if (arguments->motor && !arguments->link)
     motion->needs(verb->get_option("--robot"))->excludes(verb->get_option("--stand"));
@@ -127,8 +127,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
           target.stand != "manual")
         return fail(Fault::usage,
-                    "--disc is only valid with the virtual stand or --stand manual; leave --disc "
-                    "out. To set the disc of kaz sim --stand, give --disc to kaz sim");
+                    "--disc is only valid without --robot, or with --stand manual; leave --disc "
+                    "out. If kaz sim simulates the stand, restart kaz sim with --disc");
       if (arguments->motor && verb->count("--supply") > 0 && !target.port.empty() &&
           target.stand.empty())
         return fail(Fault::usage,
@@ -243,9 +243,9 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
       "of 6 s. Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
       "During the recording, the D gain, I gain and minimum duty are 0; then Kaz restores their "
-      "values. The recording ends early after Ctrl-C, if a limit is exceeded, or if the servo "
-      "stops answering. Kaz then switches the torque off, restores the registers and writes no "
-      "file.\n"
+      "values. The recording ends early in three cases: you press Ctrl-C, a limit is exceeded, or "
+      "the servo stops answering. Kaz then switches the torque off, restores the registers and "
+      "writes no file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"
@@ -264,7 +264,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
                    "result.json of `kaz bench motor`, or the folder that contains result.json")
       ->required();
   verb->add_option("--joint", arguments->joint,
-                   "joint whose motor is fitted, if the report has several joints")
+                   "joint of the motor to fit the model to, if the report has several joints")
       ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
                    "motor file with the initial parameters (default: Kaz's motor.xml)")
@@ -334,7 +334,8 @@ void add_bench(CLI::App& program, Action& action) {
       "list", "print the names and limits of the measurements, and measure nothing");
   auto as_json = std::make_shared<bool>(false);
   names->add_flag("--json", *as_json,
-                  "print the list as JSON, in the format for --limits; null stands for no limit");
+                  "print the list as JSON. The option --limits of the other verbs reads this "
+                  "format. null means that the measurement has no limit");
   names->footer("Examples:\n  kaz bench list\n  kaz bench list --json > limits.json");
   names->callback([&action, as_json] {
     action = [as_json] {

@@ -118,9 +118,10 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->capture_default_str();
   add_address(verb, options.backend.address);
   verb.add_option("--only", options.only,
-                  "run only one part of the calibration. stops: the suspended robot presses its "
-                  "joints against the mechanical stops; floor: the robot stands, after an earlier "
-                  "calibration by stops; gauge: no joint moves, and you enter the angles")
+                  "run only one part of the calibration. With 'stops', the suspended robot presses "
+                  "its joints against the mechanical stops. With 'floor', the robot stands on the "
+                  "floor, and the board must already have a stored calibration. With 'gauge', no "
+                  "joint moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
   verb.add_option("--gauge", options.gauge,
                   "present angle of the joint NAME, which you have measured with a gauge or a jig. "

@@ -102,8 +102,9 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->add_option_function<std::string>(
           "--json",
           [arguments](const std::string& file) { arguments->json = file.empty() ? "-" : file; },
-          "write the report as JSON to FILE; if FILE is - or not given, print only the JSON, on "
-          "standard output. With --list, write the list of cases instead of the report")
+          "write the report as JSON to FILE. Without FILE, or if FILE is '-', print the JSON on "
+          "standard output, and print no other text there. With --list, write the list of cases "
+          "instead of the report")
       ->expected(0, 1)
       ->type_name("[FILE]");
   verb->add_option("--html", arguments->html,

@@ -181,9 +181,9 @@ void add_merge(CLI::App& evaluate, Action& action) {
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print result.json");
   verb->footer(
-      "All parts must have the same options, except --shard, --jobs and --out. If a part is "
-      "missing or interrupted, Kaz lists the missing episodes. In this case, result.json covers "
-      "only the completed episodes and contains \"interrupted\": true.\n"
+      "All parts must have the same options, except --shard, --jobs and --out. If a part of the "
+      "evaluation is missing or was interrupted, Kaz lists the missing episodes. result.json then "
+      "covers only the completed episodes and contains \"interrupted\": true.\n"
       "Exit status: 0 at least one episode succeeded, 1 no episode succeeded, 2 wrong usage, 3 at "
       "least one episode is missing.\n"
       "Examples:\n"
@@ -248,8 +248,8 @@ void add_evaluate(CLI::App& program, Action& action) {
                "distance of the ball from the feet, m, drawn from this range", "m");
   verb->add_option(
           "--bearing", c.variation.bearing_deg,
-          "largest angle between straight ahead and the direction of the ball or the goal, to the "
-          "left or right, degrees")
+          "maximum bearing of the ball or the goal, degrees. The bearing is the angle to the left "
+          "or right of the direction straight ahead")
       ->check(between(0.0, 180.0))
       ->capture_default_str()
       ->type_name("DEGREES");
@@ -279,8 +279,9 @@ void add_evaluate(CLI::App& program, Action& action) {
                "only with navigate: difficulty of the worlds, drawn from this range; a higher "
                "difficulty means more obstacles or narrower gaps");
   verb->add_option("--obstacles", c.variation.max_obstacles,
-                   "only with navigate: maximum number of boxes and cans in a world of the kind "
-                   "clutter. Each of these worlds has at least half of this number")
+                   "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
+                   "'patterned-floor', 'plain-floor' and 'dark'. For the world 'two-balls', the "
+                   "maximum is half of N. Each of these worlds has at least half of its maximum")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
@@ -298,14 +299,14 @@ void add_evaluate(CLI::App& program, Action& action) {
                    ->check(between(0.01, 5.0, "N s"))
                    ->type_name("NS");
   add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "direction of the pushes, relative to the start of the robot. With sides, each push "
-             "goes at random to the left or right. With around, each push has a random direction")
+             "direction of the pushes, as seen by the robot at its start. With 'sides', each push "
+             "goes at random to the left or right. With 'around', each push has a random direction")
       ->needs(push);
   verb->add_option(
           "--push-from", pushes.from_s,
-          "time from the robot's first step to the first push. For the behaviors stand, get-up, "
-          "search-ball and track-ball, the time counts from the start of the run, and the default "
-          "is 1 s")
+          "time from the robot's first step to the first push. For the behaviors 'stand', "
+          "'get-up', 'search-ball' and 'track-ball', the time counts from the start of the run, "
+          "and the default is 1 s")
       ->check(between(0.0, 600.0, "s"))
       ->capture_default_str()
       ->type_name("S")

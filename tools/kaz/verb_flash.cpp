@@ -24,11 +24,12 @@ constexpr const char* kExitStatus =
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
   auto* reset =
       verb.add_option("--reset", arguments.reset,
-                      "use boot mode. With dtr-rts, the port's lines DTR and RTS start boot mode; "
-                      "DTR must be wired to RES, and RTS to the mode pins. With ctl:PATH, the "
-                      "control socket of kaz sim starts boot mode. With manual, you start boot "
-                      "mode by hand. Boot mode erases the whole flash, including the stored "
-                      "calibration and address. Without --reset, the resident loader is used")
+                      "use boot mode. With 'dtr-rts', the port's lines DTR and RTS start boot "
+                      "mode. DTR must be wired to RES, and RTS must be wired to the mode pins. "
+                      "With 'ctl:PATH', the control socket of kaz sim starts boot mode. With "
+                      "'manual', you start boot mode by hand. Boot mode erases the whole flash, "
+                      "including the stored calibration and address. Without --reset, the resident "
+                      "loader is used")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
       ->check(CLI::IsMember({4800, 9600, 19200}))
@@ -43,11 +44,11 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
 
 void add_reset_to_run(CLI::App& verb, FlashArguments& arguments) {
   verb.add_option("--reset", arguments.reset,
-                  "start the firmware by a reset, for example after boot mode. With dtr-rts, the "
-                  "port's lines DTR and RTS reset the board; DTR must be wired to RES, and RTS to "
-                  "the mode pins. With ctl:PATH, the control socket of kaz sim resets the board. "
-                  "With manual, you reset the board. Without --reset, the resident loader starts "
-                  "the firmware")
+                  "start the firmware by a reset, for example after boot mode. With 'dtr-rts', the "
+                  "port's lines DTR and RTS reset the board. DTR must be wired to RES, and RTS "
+                  "must be wired to the mode pins. With 'ctl:PATH', the control socket of kaz sim "
+                  "resets the board. With 'manual', you reset the board. Without --reset, the "
+                  "resident loader starts the firmware")
       ->type_name("HOW");
 }
 

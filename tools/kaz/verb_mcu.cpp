@@ -103,8 +103,9 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_flag("--flat", options.flat,
                 "emulate only the CPU, with 16 MiB of RAM, and start at the image's entry point");
   verb.add_flag("--semihost", options.semihost,
-                "with --flat: let the program write text and end itself by host calls "
-                "(docs/howto/h8s-program.md); kaz then exits with the program's status")
+                "with --flat: accept host calls from the program (docs/howto/h8s-program.md). With "
+                "host calls, the program can write text and exit. kaz then exits with the "
+                "program's status")
       ->needs("--flat");
   verb.add_flag(
       "--count", options.count,
@@ -162,8 +163,9 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
       ->capture_default_str()
       ->needs(profile);
   verb.add_option("--tick", debug.tick,
-                  "labels of a COFF or ELF image, or addresses, at which a tick begins and ends. "
-                  "The profile then also shows the functions of the longest tick")
+                  "two places in the program: the places where each tick begins and ends. Each "
+                  "place is an address, or a label of a COFF or ELF image. With --tick, the "
+                  "profile also shows the functions of the longest tick")
       ->needs(profile)
       ->type_name("BEGIN,END");
   verb.add_option("--coverage", debug.coverage,

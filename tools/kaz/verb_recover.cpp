@@ -32,14 +32,14 @@ void add_recover(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "notes of the board's settings, in a file that an interrupted run left. The "
-                   "last message of that run names the file. Kaz also restores the calibration, "
-                   "gains and limits in these notes")
+                   "file with notes of the board's settings. An interrupted run left this file, "
+                   "and the last message of that run names the file. Kaz also restores the "
+                   "calibration, gains and limits in these notes")
       ->type_name("FILE");
   verb->add_flag(
           "--port-changed", arguments->port_changed,
-          "use the notes in --from although they name another port, because the same board is now "
-          "at a new port")
+          "use the notes in --from even if the notes name another port. Give --port-changed if the "
+          "same board is now at a new port")
       ->needs("--from");
   verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(

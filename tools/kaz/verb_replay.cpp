@@ -62,9 +62,10 @@ void add_replay(CLI::App& program, Action& action) {
       ->excludes("--view");  // which has no result
   verb->footer(
       "With --host, Kaz runs the behavior, the vision and the protocol again. Kaz then checks "
-      "whether the host sends the same bytes as in the recording. Kaz reports the first "
-      "difference: its time, its position in the stream of bytes, and the message that contains "
-      "it. Use --host to test changed host programs with the recorded data of a virtual robot.\n"
+      "whether the host sends the same bytes as in the recording. Kaz reports the time of the "
+      "first difference, the position of the first difference in the stream of bytes, and the "
+      "message with the first difference. Use --host to test changed host programs with the "
+      "recorded data of a virtual robot.\n"
       "--view and --video only show the recording, and run nothing again. --view plays the "
       "recording until Ctrl-C; the page has controls to pause and jump. --video draws the film "
       "from the recorded poses.\n"

@@ -150,10 +150,10 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->capture_default_str()
       ->type_name("M");
   verb->add_option("--nearest", options->nearest_m,
-                   "smallest distance for which depth is computed, m. A larger distance makes the "
-                   "computation faster, because Kaz then searches fewer disparities (a multiple of "
-                   "16 px). With Kaz's eyes, the largest valid value is 0.476 m, or 0.953 m for "
-                   "pictures 640 px wide")
+                   "smallest distance for which depth is computed, m. A larger value makes the "
+                   "computation faster, because Kaz then searches fewer disparities. The number of "
+                   "disparities is a multiple of 16. With Kaz's eyes, the largest valid value is "
+                   "0.476 m, or 0.953 m for pictures 640 px wide")
       ->check(between(0.001, 100.0))
       ->default_str("0.14")
       ->type_name("M");

@@ -175,8 +175,8 @@ Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions c
     const auto where = KAZ_TRY(watch::parse_where(options.where));
     if (where.port == 0)
       return fail(Fault::usage,
-                  "--view: port 0 is not valid, because all episodes use the same port; give "
-                  "another port, as in --view 8765");
+                  "--view: port 0 would select a new port for each episode; give a fixed port, "
+                  "as in --view 8765");
     // Whether it can be served, and the address; the episodes take it over.
     print_address("kaz evaluate", KAZ_TRY(watch::View::open(options))->url());
   }

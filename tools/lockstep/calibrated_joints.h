@@ -20,8 +20,8 @@ struct CalibratedJoints {
   // Standard deviation of the joint angles with calibration `all`: root mean square over the joint's range,
   // and maximum.
   std::array<double, KZ_JOINTS> expected_rad{}, worst_rad{};
-  // Each residual of the calibration's equations is divided by the standard deviation of its equation. This
-  // is the largest of these ratios.
+  // Each equation of the calibration has a residual and a standard deviation. `worst_residual` is the largest
+  // ratio of a residual to the standard deviation of the same equation.
   double worst_residual = 0;
   double seconds = 0;  // simulated duration of the calibration
 };

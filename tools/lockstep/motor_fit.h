@@ -4,10 +4,10 @@
 //
 // Method: indirect inference (C. Gourieroux, A. Monfort, E. Renault 1993, "Indirect Inference", Journal of
 // Applied Econometrics 8). A formula estimates each parameter from the measurements. The resolutions of A/D
-// converter and duty cycle, and the warming of the motor, bias these estimates by a few percent. Therefore,
-// in each round, a simulated bench measures the model, and the same formulas estimate the model's parameters.
-// If an estimate from the report is r times the estimate from the simulated bench, the parameter of the model
-// is multiplied by r.
+// converter and duty cycle, and the warming of the motor, bias these estimates by a few percent. To remove
+// this bias, the fit runs in rounds. In each round, a simulated bench measures the model. The same formulas
+// then estimate the model's parameters from the simulated measurements. If an estimate from the report is r
+// times the estimate from the simulated bench, the parameter of the model is multiplied by r.
 #pragma once
 
 #include <functional>

@@ -52,8 +52,8 @@ class ReplayedBoard {
   // Call this function after the host has finished. Detects recorded bytes and entries that the host did not
   // produce.
   void finish();
-  // First difference in the bytes to the board. It is also a difference if all bytes are equal, but the host
-  // ends earlier or later than in the recording.
+  // First difference in the bytes to the board. If all bytes are equal, but the host ends earlier than in the
+  // recording, the end counts as the difference. A later end also counts, unless the recording is cut off.
   const std::optional<HostDifference>& difference() const { return difference_; }
   // First difference in the behavior's entries. If different entries cause different bytes, the entries
   // differ first and show the cause.

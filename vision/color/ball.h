@@ -23,8 +23,8 @@ struct BallOptions {
   int min_area = 12;  // minimum number of pixels; smaller regions are noise
   // Balls with a confidence below this value are not reported. The default was chosen on test pictures of
   // whole, cut off and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each
-  // threshold, the missed, wrong and false detections were counted. Several thresholds have a count within
-  // one standard error of the lowest count. The default is the highest of these thresholds.
+  // threshold, the missed, wrong and false detections were counted. The default is the highest threshold
+  // whose count exceeds the lowest count by at most one standard error.
   double min_confidence = 0.68;
 };
 

@@ -4,8 +4,8 @@
 // Mixing model: a pixel of the edge has the color c = s k b + (1 - s) g. Here s is the coverage: the share of
 // the pixel that the ball covers. The ball's color near the pixel is b, the ball's shading factor at the
 // pixel is k, and the background color is g. The component of c orthogonal to b does not depend on k. The
-// component of g orthogonal to b is n = g - (g . b / b . b) b. The coverage is s = 1 - n . c / n . g. So
-// shading towards the rim does not bias the edge. With a threshold on brightness, shading would bias the
+// component of g orthogonal to b is n = g - ((g . b) / (b . b)) b. The coverage is s = 1 - (n . c) / (n . g).
+// So shading towards the rim does not bias the edge. With a threshold on brightness, shading would bias the
 // edge. If the background has the ball's hue or is dark, n = g - b is used.
 //
 // Edge model: a disk of radius R is blurred by a Gaussian of standard deviation sigma. At the distance r from

@@ -32,8 +32,9 @@ struct BlockRow {
   // and `window`.
   const std::int16_t* place;
   // Several columns of the left picture may match the same column of the mirrored right picture. For each
-  // column of the right picture, `claims` contains the best match as C(d) << 16 | d. If costs are equal, the
-  // smallest d is best. If there is no match yet, all bits are 1.
+  // column of the right picture, `claims` contains the best match. The cost C(d) is in the upper 16 bits, and
+  // the disparity d is in the lower 16 bits. If costs are equal, the smallest d is best. If there is no match
+  // yet, all bits are 1.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in units of 1/65536 of the minimum cost
   bool full;                   // true: the block has all rows, so winners are found
@@ -67,8 +68,9 @@ struct MatchedRow {
 };
 
 // Computes the subpixel disparity (px) of the winner d of column u, and returns whether the match is good.
-// SAD costs rise linearly on both sides of the minimum. The minimum is therefore at the disparity d + (p - q)
-// / (2 (max(p, q) - C(d))), with p = C(d - 1) and q = C(d + 1). A match is good if all of these hold:
+// Let p be the cost `C(d - 1)`, and let q be the cost `C(d + 1)`. SAD costs rise linearly on both sides of
+// the minimum. Therefore the minimum is at this disparity: `d + (p - q) / (2 * (max(p, q) - C(d)))`. A match
+// is good if all of these hold:
 // - A match is wanted at column u, and d is not at an end of the range.
 // - No disparity except d - 1 and d + 1 is in doubt.
 // - The winner of the matched pixel of the right picture is within `left_right_px` of d.
@@ -106,8 +108,9 @@ bool near_row(const DisparityPlane& plane, int v, const float* disparity,
               const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
 
 // Evaluates the matches of blocks that are slanted like the plane. A good match on the plane replaces
-// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2. The
-// disparity of a match, minus kAround / 2, is therefore added to the plane's disparity at the matched column.
+// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2.
+// Therefore the function subtracts kAround / 2 from the disparity of a match, and adds the plane's disparity
+// at the matched column.
 void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
                       std::int16_t* cost, bool vectors);
 

@@ -29,8 +29,8 @@ class SwappedCameras {
 
   // Evaluates the first kFirst pairs, then one pair per kInterval of exposure time. Other pairs are ignored.
   void look(const StereoImages& pair, const FrameInfo& info);
-  // Returns true if at least two thirds of the clear pairs are swapped. One or two swapped pairs are only
-  // enough if at least half of all evaluated pairs are swapped.
+  // Returns true if at least two thirds of the clear pairs are swapped. In addition, the number of swapped
+  // pairs must be at least three, or at least half of the number of evaluated pairs.
   bool found() const;
 
  private:

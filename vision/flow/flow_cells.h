@@ -52,7 +52,7 @@ class FlowProducts {
   bool vectors_;
   int width_ = 0, height_ = 0;
   std::size_t pitch_ = 0, plane_ = 0;  // number of floats per row, and per product
-  // All products. The values of each product are surrounded by a border of zeros, half a patch wide.
+  // All products. A border of zeros surrounds the values of each product. The border is half a patch wide.
   std::vector<float> memory_;
   std::vector<float> columns_, sums_;  // column sums and patch sums of one row
 };

@@ -38,8 +38,8 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
   if (!motion.matrix().allFinite() || motion.translation().norm() > kMaxSpeed_m_s * dt ||
       Eigen::AngleAxisd(motion.linear()).angle() > kMaxRate_rad_s * dt)
     return fail(Fault::failed,
-                "moving: the pose of the eye jumped between the pictures, perhaps because the "
-                "supporting foot changed: use the next pair");
+                "moving: the pose of the eye jumped between the two pictures, perhaps because the "
+                "robot changed its supporting foot: use the next pair");
   if (!depth) return {};
   if (depth->width != flow.width || depth->height != flow.height || depth->width < 4 ||
       depth->height < 4)
@@ -48,7 +48,7 @@ Result<void> check(const FlowImage& flow, const DepthImage* depth) {
     return fail(Fault::usage,
                 "moving: the depth image belongs to neither of the flow's two pictures");
   if (!(depth->info.camera.fx * depth->info.camera.baseline_m > 0))
-    return fail(Fault::usage, "moving: the depth image has no camera model");
+    return fail(Fault::usage, "moving: the depth image lacks its camera model");
   return {};
 }
 
@@ -95,9 +95,8 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   if (moving.turn_error_rad.norm() > options_.max_posture_error_rad ||
       moving.shift_error_m.norm() > options_.max_posture_error_m)
     return fail(Fault::failed,
-                "moving: most of the flow does not match the robot's posture: the robot slips or "
-                "falls, or a "
-                "moving object covers most of the picture: use the next pair");
+                "moving: most of the flow does not match the robot's posture, because the robot "
+                "slips or falls, or a moving object covers most of the picture: use the next pair");
   if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
   const auto reader = [](const Picture& p, std::vector<float>& codes) {
     grey_codes(p.bytes, p.channels, codes);

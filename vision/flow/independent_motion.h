@@ -13,14 +13,15 @@
 //
 // An interval of inverse depths maps to a line segment of predicted flows. The residual is the vector from
 // the nearest point of this line segment to the measured flow. A cell is a candidate if the residual passes
-// two tests. The residual must exceed the error bounds of flow and pose. In addition, the residual must be
-// improbable for the covariance of the flow. The covariance of the flow is large along an edge. Flow is
-// smooth and bleeds over object borders, so each candidate cell is verified on the images. A candidate cell
-// is static if the predicted flow of a static point matches the two images better than the measured flow
-// does. All other candidate cells are moving. Connected moving cells form a region only if enough of these
-// cells are proven. A cell is proven if ego-motion alone clearly cannot explain the two images. The flow of
-// the region is then estimated again as one translation of all pixels of the region. Limitation: where the
-// depth is unknown, motion along the epipolar line is not detected.
+// two tests. The residual must exceed the error bounds of flow and pose. In addition, the Mahalanobis
+// distance of the residual must exceed `min_surprise`. This distance is computed with the covariance of the
+// flow. The covariance is large along an edge. Flow is smooth and bleeds over object borders, so each
+// candidate cell is verified on the images. A candidate cell is static if the predicted flow of a static
+// point matches the two images better than the measured flow does. All other candidate cells are moving.
+// Connected moving cells form a region only if enough of these cells are proven. A cell is proven if
+// ego-motion alone clearly cannot explain the two images. The flow of the region is then estimated again as
+// one translation of all pixels of the region. Limitation: where the depth is unknown, motion along the
+// epipolar line is not detected.
 //
 // Frames: pixels of the earlier image; optical and foot frames as in frame.h. The supporting foot must be the
 // same at both exposures, and must not move between the exposures. Units: px, m, s.
@@ -66,7 +67,7 @@ struct IndependentMotionOptions {
 };
 
 // A moving region. If the background next to the object has no texture, the region may extend up to 14 px
-// beyond the object. This distance is half a patch of the flow.
+// beyond the object. These 14 px are half the width of a patch of the flow.
 struct MovingRegion {
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, px, inclusive

@@ -7,9 +7,9 @@
 // marker-controlled watershed labels the undecided pixels. Floor and non-floor grow into the undecided band
 // from both sides, first where the color gradient is small. Floor and non-floor meet where the gradient is
 // largest. Sources: F. Meyer, "Color image segmentation", IPA 1992; cv::watershed. A hole in the floor that
-// is less than 2 reach_px wide is labeled as floor, unless depth shows an object in the hole. The pixels of
-// an object in a hole become a marker if their height above the floor exceeds the depth error. Object pixels
-// within 3/4 reach_px of the floor's pixels do not become a marker.
+// is less than 2 reach_px wide is labeled as floor, unless depth shows an object in the hole. A pixel of such
+// an object becomes part of a marker if two conditions are met. The pixel's height above the floor exceeds
+// both 15 mm and the depth error. The pixel's distance from the floor's pixels exceeds 3/4 of `reach_px`.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
 // the edge of a shadow. Objects that are less than 1.5 reach_px wide in the depth image are labeled as floor.

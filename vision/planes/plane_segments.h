@@ -6,8 +6,8 @@
 // Finder finds planes by a randomized three-dimensional Hough transform, and then fits each plane to the
 // regions on this plane. We had no access to the text of Okada et al. and follow the description in the
 // paper.
-// 1. Three neighboring points, drawn at random, define a plane. Each triple of points is one vote for a
-//    plane, that is, for a direction of the normal and a distance from the eye.
+// 1. Three neighboring points, drawn at random, define a plane: the plane's normal and its distance from the
+//    eye. Each triple of points is one vote for the plane through these points.
 // 2. A peak of votes is taken as a plane. The plane is then fitted to the points near the plane.
 // 3. Connected points on the plane form a segment. The remaining points vote again for further planes.
 // 4. A segment is floor if the segment agrees with the plane under the sole of the supporting foot. The plane
@@ -57,8 +57,8 @@ struct PlaneSegment {
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive, px
   // `middle` is the mean of the points; `along` and `across` are the directions (unit vectors) in which the
   // points spread most and least in the plane. The extents in these directions, length_m and width_m, are
-  // measured between the middles of the outermost squares. At each end, the real segment may extend beyond
-  // this middle by up to one and a half squares.
+  // measured between the middles of the outermost squares. The real segment may be larger. At each end, the
+  // segment may extend beyond the middle of the outermost square by up to one and a half squares.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
   double length_m = 0, width_m = 0;

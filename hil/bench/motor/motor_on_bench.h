@@ -96,8 +96,8 @@ class MotorOnBench {
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
   // Collects samples until `until` on the host's clock, or until `enough` returns true. `until_s` is the end
-  // in board time, in seconds after begin_tick. If the last samples before this end are missing, waits for
-  // them up to 100 ms longer, because a busy machine reads frames late.
+  // in board time, in seconds after begin_tick. A busy machine reads frames late. So if the last samples
+  // before `until_s` are missing at the time `until`, collect() continues for up to 100 ms.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

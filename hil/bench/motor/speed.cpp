@@ -74,8 +74,8 @@ Plot speed_plot(const std::string& joint, const Points& points, const Line& line
           "speed, rad/s",
           false,
           {measured, fitted},
-          "The plot shows both directions. At the voltage where the line reaches zero speed, the "
-          "motor only overcomes its sliding friction."};
+          "The plot shows both directions. The line reaches zero speed at a certain voltage. At "
+          "this voltage, the motor's torque equals the sliding friction."};
 }
 
 Plot start_plot(const std::string& joint, const Run& run) {
@@ -94,9 +94,9 @@ Plot start_plot(const std::string& joint, const Run& run) {
           "displacement, rad",
           false,
           {measured, steady},
-          "The dashed line extends the motion at steady speed back to zero displacement; the time "
-          "of this point is the lag. The lag comes from the inertia of rotor and disc, the "
-          "backlash of the gear, and the board's tick."};
+          "The dashed line shows the motion at steady speed. The lag is the time at which the "
+          "dashed line has zero displacement. The lag comes from the inertia of rotor and disc, "
+          "the backlash of the gear, and the board's tick."};
 }
 
 }  // namespace

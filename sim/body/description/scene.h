@@ -38,7 +38,8 @@ struct Visual {
 struct Light {
   // Direction from the scene to the lamp; any length, z > 0.
   Eigen::Vector3d to_key{0.55, -0.50, 1.0};
-  // `key` multiplies the brightness of the key light, `shaded` the brightness of the ambient light.
+  // `key` is a factor for the brightness of the key light. `shaded` is a factor for the brightness of the
+  // ambient light.
   double key = 1, shaded = 1;
 };
 

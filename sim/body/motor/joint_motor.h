@@ -7,13 +7,15 @@
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
-// A is the drive torque, stall_slope V duty (Nm). B is back_emf (Nm s/rad), or 0 while the bridge is open. J
-// is the rotor's inertia, h the step size in s, and T the torque on the joint.
+// A is the drive torque in Nm: A = stall_slope V duty / r. B is the back-EMF constant in Nm s/rad:
+// B = back_emf / r. While the bridge is open, B = 0. V is the supply voltage. The ratio r is the winding's
+// present resistance divided by the winding's resistance at air temperature. J is the rotor's inertia, h is
+// the step size in s, and T is the torque on the joint.
 //
-// At the end of a step the flanks do not overlap. For the flank that pushes forward, d >= 0 is the gap
-// between rotor and flank, and w_new is the joint's speed after the step. Two inequalities hold: T >= 0 and
-// u_new - w_new <= d/h. A flank transmits torque only if its gap is closed, so at least one of the two
-// inequalities holds with equality. In the solver, this condition is the row
+// At the end of a step the flanks do not overlap. Consider the flank that pushes forward. The gap between
+// rotor and flank is d, and d is never negative. The joint's speed after the step is w_new. Two inequalities
+// hold: T >= 0 and u_new - w_new <= d/h. A flank transmits torque only if its gap is closed, so at least one
+// of the two inequalities holds with equality. In the solver, this condition is the row
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //

@@ -42,7 +42,8 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    // Forces and moments that ODE reports: `feedback` for `motor`, and `bearing` for `hinge`.
+    // Forces and moments that ODE reports. `feedback` has those of the joint `motor`. `bearing` has those of
+    // the joint `hinge`.
     dJointFeedback feedback{}, bearing{};
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // joint axis in the child's frame
     dBodyID child = nullptr;

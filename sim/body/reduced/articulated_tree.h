@@ -107,8 +107,9 @@ class ArticulatedTree {
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
-  // Adds the generalized force J^T force to `out`. `force` is a force in N, or an impulse in N s, that acts
-  // on a point of a link. J is the Jacobian of the point. `force` and `point` are in the world frame.
+  // Adds the effect of `force` on the coordinates to `out`. `force` is a force in N, or an impulse in N s,
+  // that acts on a point of a link. `force` and `point` are in the world frame. With the Jacobian J of the
+  // point, the function adds the generalized force: transpose(J) * force.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
   // Adds `sign` times the link's geometric Jacobian about P to `columns`. Each column has six numbers

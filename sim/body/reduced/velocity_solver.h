@@ -36,10 +36,10 @@
 // This solver has limitations. Even a hard contact yields along the surface: its tangential compliance `give`
 // is kGive times the mobility of the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by
 // 7 micrometers. If two bodies touch at several points, like a sole and the floor, these points share the
-// friction force like parallel springs. The share of a point is proportional to the point's 1 / give, but
-// stays within the point's friction disc. If friction and normal force amplify each other without bound (a
-// jamming wedge between almost massless bodies), the solver may find no solution. The number of iterations is
-// bounded, and residual() returns the velocity change in the last iteration.
+// friction force like parallel springs. A point with half the `give` takes twice the force, unless the force
+// reaches the edge of this point's friction disc. If friction and normal force amplify each other without
+// bound (a jamming wedge between almost massless bodies), the solver may find no solution. The number of
+// iterations is bounded, and residual() returns the velocity change in the last iteration.
 #pragma once
 
 #include <algorithm>
@@ -63,8 +63,9 @@ class VelocitySolver {
   // A range of coordinates on which a relative motion depends.
   struct Segment {
     int first = 0, length = 0;
-    // Contribution of the segment to the relative motion. +1: the segment's six coordinates. -1: the negative
-    // of these six coordinates. 0: the product of the Jacobian in columns() and the coordinates.
+    // Contribution of the segment to the relative motion. With +1, the contribution equals the segment's six
+    // coordinates. With -1, it equals their negative. With 0, it equals J times the coordinates, where J is
+    // the Jacobian in columns().
     double plain = 0;
   };
   struct Point {
@@ -97,8 +98,9 @@ class VelocitySolver {
   // Adds the relative motion of two bodies and returns the index of the pair. At most three of the segments
   // may be non-empty. The segments must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
-  // Returns the Jacobian of the pair. It has six numbers for each coordinate of a segment, but only for
-  // segments whose `plain` is 0. All numbers are initially 0. The pointer is valid until the next add_pair().
+  // Returns the Jacobian of the pair. The Jacobian covers only the segments whose `plain` is 0. For each
+  // coordinate of these segments, the Jacobian has six numbers. All numbers are initially 0. The pointer is
+  // valid until the next add_pair().
   double* columns(int pair) {
     return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
   }
@@ -138,8 +140,10 @@ class VelocitySolver {
   };
   struct Contact {
     Point point;
-    double hardness = 0;                   // 1 / softness
-    double firmness = 0, moment_firm = 0;  // 1 / give: firmness for forces, moment_firm for moments
+    double hardness = 0;  // 1 / softness
+    // `firmness` is the inverse of the tangential compliance. `moment_firm` is the inverse of the compliance
+    // for rolling and spin.
+    double firmness = 0, moment_firm = 0;
     double length_t = 0, length_r = 0;  // radii of the friction discs in this iteration, N s, N m s
     Impulse velocity, change, impulse;
     // Present active set (pattern_of()), and the active set for which H was factored.
@@ -211,7 +215,8 @@ class VelocitySolver {
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
-  // Values of change_ in the last iteration: requested_before_ before accelerate(), gone_before_ after it.
+  // Values of change_ in the previous iteration. requested_before_ has the values before accelerate() changed
+  // them. gone_before_ has the values after accelerate() changed them.
   std::vector<double> requested_before_, gone_before_;
   std::vector<double> scratch_;
   // Working memory of solve_coupled(): H, the Jacobian of a pair, the product of Jacobian and stiffness, and
@@ -235,7 +240,9 @@ class VelocitySolver {
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  double relaxation_ = 1;  // fraction of each change of the friction radii that is applied
+  // Each iteration changes each friction radius by this fraction of the difference between its new and its
+  // old value.
+  double relaxation_ = 1;
   int steps_ = 0;
   double residual_ = 0;
 };

@@ -27,8 +27,8 @@ struct LinkForce {
   //
   //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
   //
-  // While contact points are added, `centre` is the sum of their products normal * r. The function finish()
-  // divides this sum by `pressure`.
+  // Before finish() is called, `centre` is a sum over the contact points. Each contact point adds normal * r
+  // to this sum. The function finish() divides the sum by `pressure`.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
   // Call once after the last add().

@@ -205,8 +205,8 @@ class Chip {
   // Returns how many of the executed instructions ran as translated host code. The number is for measurements
   // and is not part of save().
   std::int64_t translated_instructions() const;
-  // Returns the engine in use. Usually this is Options::engine. In normal mode and in builds without the
-  // translator, the chip uses the interpreter instead of the translator.
+  // Returns the engine in use. In normal mode and in builds without the translator, the chip uses the
+  // interpreter instead of the translator. Otherwise, the engine in use is Options::engine.
   Engine engine() const;
   bool asleep() const;
   ResetCause reset_cause() const;
@@ -322,11 +322,11 @@ class Chip {
   // Sets the source of input voltages, as fractions of AVCC (0..1). Channels 0..7 are AN0..AN7, 8..15 are
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
-  // `steady` promises that `source` has no side effects. `steady` also promises that the voltages depend only
-  // on channel, time, the chip's non-serial outputs, and values that are constant during a run. In scan mode
-  // with `steady`, the chip can call `source` later than the time of the sample. The late call still comes
-  // before one of these outputs changes and before the run ends. The chip skips samples whose results the
-  // program does not read.
+  // If the caller sets `steady`, `source` must have no side effects. The voltage of a channel may then depend
+  // only on the time, on the chip's non-serial outputs, and on values that are constant during a run. In scan
+  // mode with `steady`, the chip can call `source` later than the time of the sample. The chip never delays
+  // this call beyond the next change of a non-serial output or beyond the end of the run. The chip skips
+  // samples whose results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

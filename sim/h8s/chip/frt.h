@@ -64,7 +64,8 @@ class Frt {
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
-  // Used while OCRAMS is set. True: the next match A adds OCRAF to OCRA. False: the next match A adds OCRAR.
+  // Used while OCRAMS is set. At the next compare match A, the timer adds OCRAF (true) or OCRAR (false) to
+  // OCRA.
   bool use_af_ = false;
   std::array<std::uint16_t, 2> ocr_{0xffff, 0xffff};
   std::array<std::uint16_t, 4> icr_{};

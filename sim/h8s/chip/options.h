@@ -78,10 +78,10 @@ struct Options {
   int subclock_states = 0;
   // Low byte of the word that STC writes to memory. True: a copy of the register. False: 0.
   bool stc_copies = false;
-  // MOV Rs,@-ERd decrements ERd and stores Rs. If Rs is a part of ERd, as in PUSH.L ER7, the option selects
-  // the stored value. True: the value after the decrement. False: the value before the decrement. The option
-  // does not affect MOV @ERs+,Rd. If Rd is a part of ERs, the CPU first increments ERs and then writes the
-  // loaded value to Rd.
+  // MOV Rs,@-ERd decrements ERd and stores Rs. In PUSH.L ER7 and similar instructions, Rs is a part of ERd.
+  // For these instructions, the option selects the stored value. True: the value after the decrement. False:
+  // the value before the decrement. The option does not affect MOV @ERs+,Rd. If Rd is a part of ERs, the CPU
+  // first increments ERs and then writes the loaded value to Rd.
   bool predecrement_stores_decremented = true;
   // Boot mode: number of the serial channel, SCI0 (P50, P51) or SCI1 (P25, P26).
   int boot_channel = 0;

@@ -70,7 +70,7 @@ struct PinState {
   // For Driver::nobody, `level` is Options::floating_level. For Driver::clock, `level` is false.
   bool level = false;
   Driver driver = Driver::nobody;
-  // True: PCR has switched the pull-up on. This does not depend on whether the pin is driven.
+  // True: PCR has switched the pull-up on. The pull-up can be on even while the pin is driven.
   bool pull_up = false;
   // Returns whether the chip drives the pin.
   bool output() const { return driver >= Driver::port; }

@@ -16,8 +16,8 @@ class Pwm {
   // Register accesses: FFD2..FFD7, and PCSR at FF82.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
-  // Writes the register and returns true, but only if the write changes no waveform. If the result is false,
-  // the caller must call write().
+  // If the write would change no waveform, the function writes the register and returns true. Otherwise the
+  // function writes nothing and returns false. The caller must then call write().
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
     if (address == 0xffd7) return data_[select_ & 15] == value;
     if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;

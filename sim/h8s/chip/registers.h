@@ -24,8 +24,8 @@ enum class Bank : std::uint8_t {
   ocrs_1,
   icrs_0,  // TOCR.ICRS
   icrs_1,
-  regs_0,  // STCR.IICE is 1, and bit REGS (in DADRB and DACNT) is 0
-  regs_1,  // STCR.IICE is 1, and bit REGS (in DADRB and DACNT) is 1
+  regs_0,  // condition: STCR.IICE is 1 and bit REGS is 0 (REGS is a bit of DADRB and DACNT)
+  regs_1,  // condition: STCR.IICE is 1 and bit REGS is 1 (REGS is a bit of DADRB and DACNT)
 };
 
 struct RegisterInfo {

@@ -87,8 +87,8 @@ class Sci {
   States bit_states() const;
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
-  // taken_by_dtc() must be called after the DTC has read RDR, filled_by_dtc() after the DTC has written TDR.
-  // Neither function is called if the DTC passes the interrupt on to the CPU.
+  // After the DTC has read RDR, taken_by_dtc() must be called. After the DTC has written TDR, filled_by_dtc()
+  // must be called. If the DTC passes the interrupt on to the CPU, neither function is called.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
@@ -167,8 +167,9 @@ class Sci {
   int sample_ticks_ = 0;    // number of external clock pulses to the next sample
   ReceivedByte arrived_;    // byte that the channel has sampled but not yet delivered
   States arrives_ = kNever;
-  // Start of the eight clock pulses for a byte that is received in clocked mode without transmission; kNever:
-  // no such pulses.
+  // In clocked mode, a channel can receive without transmission. If the clock is not external, the channel
+  // then generates eight clock pulses for each byte. `burst_` is the start time of the eight pulses in
+  // progress. If no pulses are in progress, `burst_` is kNever.
   States burst_ = kNever;
 
   static StickyFlags empty() {

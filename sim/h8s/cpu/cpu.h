@@ -110,8 +110,8 @@ struct Cpu {
   bool observed = false;
   std::uint32_t ram_at = kBlock + kRam;  // address of RAM, independent of ram_base
   std::uint32_t ram_code = kRamCode;     // index of the first RAM entry in `code`
-  // Index of the first entry of short RAM in `code`. On the flat machine, which has no short RAM, the value
-  // is code_size.
+  // Index of the first entry of short RAM in `code`. The flat machine has no short RAM. On the flat machine,
+  // this index is code_size.
   std::uint32_t short_ram_code = kShortRamCode;
   std::uint32_t code_size = kCodeSize;     // number of entries in `code`
   Bus* bus = nullptr;                      // null: there is RAM at every address (Flat)
@@ -150,8 +150,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. With a very
-// low value, the difference `stop - now` would overflow.
+// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. A value
+// near the lowest integer would make the difference `stop - now` overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -224,8 +224,8 @@ void note_code_in_ram(Cpu& c);
 // Like decode_in_place(), but leaves branches in their general form. Used by the reference engine.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
-// Each of these functions runs instructions until now >= stop (one stretch). run_stretch() selects the engine
-// that `c` specifies.
+// Each of these functions runs instructions until the time `now` has reached the time `stop`. These
+// instructions are one stretch. The members of `c` determine the engine that run_stretch() uses.
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);

@@ -48,11 +48,11 @@ T flags_sub(Cpu& c, T a, T b) {
   return r;
 }
 
-// H is the carry or borrow into the upper four bits of the operand. In `a ^ b ^ r`, the lowest of these four
-// bits has the value of H. up() moves this bit to bit 28.
+// H is the carry or borrow into the upper four bits of the operand. The lowest of these four bits in
+// `a ^ b ^ r` has the value of H. The function up() moves this bit to bit 28.
 
-// Addition with carry. Clears Z but never sets Z. If a program adds two long numbers byte by byte, Z
-// therefore finally shows whether the whole sum is 0.
+// Addition with carry. Clears Z but never sets Z. A program can add two long numbers byte by byte: the lowest
+// bytes with ADD, and all other bytes with ADDX. After the last addition, Z shows whether the whole sum is 0.
 inline u8 flags_addx(Cpu& c, u8 a, u8 b) {
   const u32 sum = static_cast<u32>(a) + b + c.flags.c;
   const u8 r = static_cast<u8>(sum);

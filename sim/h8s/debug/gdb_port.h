@@ -33,8 +33,8 @@ class GdbPort {
 
   // Waits for a connection from GDB. Serves GDB until GDB kills the program, detaches or closes the
   // connection. Runs the chip in slices of `slice` states and checks for Ctrl-C between two slices. Also
-  // returns when the file descriptor `stop` becomes readable, even if GDB does not read the replies. If
-  // `stop` is -1, there is no such descriptor. Error: the connection fails.
+  // returns when the file descriptor `stop` becomes readable. This return does not wait until GDB reads the
+  // replies. If `stop` is -1, there is no such descriptor. Error: the connection fails.
   //
   // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). The
   // function waits for the next client if a client was rejected or has disconnected without sending a byte. A

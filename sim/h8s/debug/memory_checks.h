@@ -19,7 +19,7 @@ class StackMeter final : public CallStack {
 
   std::uint32_t lowest() const { return lowest_; }
   // Returns the number of bytes between the highest and the lowest observed ER7. If the program sets its
-  // stack pointer only once, this difference is the stack usage.
+  // stack pointer only once, this number is the stack usage.
   std::uint32_t used() const { return highest_ < lowest_ ? 0 : highest_ - lowest_; }
   // Returns the call stack at the lowest ER7, outermost frame first, including interrupts.
   const std::vector<Frame>& chain() const { return chain_; }

@@ -65,7 +65,8 @@ struct Step {
   // The step accesses an I/O register; the block may be left after the step.
   bool io = false;
   Definition definition;
-  // For each flag: index of the last step before this step that sets the flag; -1: there is no such step.
+  // For each flag: index of the nearest earlier step that sets the flag. If no earlier step sets the flag,
+  // the index is -1.
   std::array<std::int16_t, kFlags> set_by{};
 };
 
@@ -105,9 +106,10 @@ Access access_of(const Step& s);
 // Returns the mask of flags that condition 0..15 of Bcc reads.
 unsigned flags_of_condition(unsigned condition);
 
-// Finds an earlier step whose `definition` can recompute all flags of the mask `wanted` at step `k`. No step
-// between the two steps may change the registers of this definition. Returns the index of the step, or -1 if
-// there is no such step.
+// Finds the step from which step `k` can recompute all flags of the mask `wanted`. The found step is the last
+// step before step `k` that sets these flags. The `definition` of the found step can recompute these flags.
+// No step between the found step and step `k` changes the registers of this definition. Returns the index of
+// the found step, or -1 if there is no such step.
 int common_source(const Block& block, std::size_t k, unsigned wanted);
 
 // Memory region that an access of `size` bytes uses. The address of the access is known at translation time.

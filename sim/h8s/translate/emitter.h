@@ -59,22 +59,25 @@ struct Gate {
   // Exit from translated code. Arguments: edi is the index of the next instruction, esi is the return value.
   const void* leave = nullptr;
   // Subroutine that runs the handler of an instruction. Arguments: rdi is the address of the instruction's
-  // entry in Cpu::code. rsi is Block::bound minus the states of all steps up to this instruction (inclusive).
-  // Results: kLeft is valid for the next instruction, and the host's flags are the result of comparing kLeft
-  // with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must be left.
+  // entry in Cpu::code. rsi is Block::bound minus the number of states from the start of the block to the end
+  // of the instruction. Results: kLeft is valid for the next instruction, and the host's flags are the result
+  // of comparing kLeft with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must be
+  // left.
   const void* interpret = nullptr;
-  // Subroutines that only access an I/O register. Arguments: rdi and rsi as for `interpret`, and r15, which
-  // is the value to store. Results: edi is the loaded value; kLeft is reduced by wait states. After the
-  // subroutine, Cpu does not hold the complete state.
+  // Subroutines that only access an I/O register. Arguments: rdi and rsi have the same meaning as for
+  // `interpret`. For a store, r15 is the value to store. Results: a load returns the loaded value in edi. If
+  // the access has wait states, kLeft is reduced by the number of wait states. After the subroutine, Cpu does
+  // not hold the complete state.
   const void* load8 = nullptr;
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
   // Exit from translated code if Cpu already holds the complete state except kExecuted.
   const void* leave_complete = nullptr;
-  // Jump target for an instruction after which execution continues at another address, such as TRAPA.
-  // Arguments: rdi and rsi as for `interpret`. Runs the instruction's handler, then the block at the new
-  // address. Leaves the translated code if that block does not exist or no time is left.
+  // Jump target for an instruction that continues execution at another address. TRAPA is such an instruction.
+  // Arguments: rdi and rsi have the same meaning as for `interpret`. Runs the instruction's handler, then the
+  // block at the new address. If there is no block at the new address, or if no time is left, the translated
+  // code is left.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -85,8 +88,8 @@ void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entrie
 // Runs the handler of `ip`, with the complete state in `c`. Returns the states left at the next instruction,
 // minus `rest`. A result of 0 or less means that the block must be left.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
-// Like run_handler, for an instruction after which execution continues at another address. Returns the host
-// code at the new address, or null if the block must be left.
+// Runs the handler of `ip`, with the complete state in `c`. After the instruction, execution continues at
+// another address. Returns the host code at this address, or null if the block must be left.
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a
@@ -223,7 +226,7 @@ class Emitter {
   Pending pending_{};
   // Result of a range check that holds within a block: all addresses from register + `low` to register +
   // `high` - 1 are in RAM. One check can cover several accesses. If this check fails, a second version of the
-  // block's code runs, which checks each access.
+  // block's code runs. The second version checks each access.
   struct Proof {
     std::int32_t low = 0, high = 0;
     bool even = false;  // the value of the register is even

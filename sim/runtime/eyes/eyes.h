@@ -93,8 +93,8 @@ class Eyes {
   std::uint64_t left_out() const { return left_out_; }
 
   // Removes and returns the digests of all pairs except the pairs of the two latest exposures. If `all` is
-  // true, removes and returns the digests of all pairs. The function waits until these pairs are rendered.
-  // Therefore the number of digests does not depend on the speed of rendering.
+  // true, removes and returns the digests of all pairs. The function waits until all pairs with returned
+  // digests are rendered. Therefore the number of digests does not depend on the speed of rendering.
   std::vector<Digest> take_digests(bool all);
   // Waits until all pairs in progress are rendered. After this call, noise and jitter use the new seed.
   void reseed(std::uint64_t seed);

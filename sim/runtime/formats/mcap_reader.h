@@ -23,7 +23,8 @@ struct McapRecording {
   // file are in memory, too.
   static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
   static constexpr std::size_t max_facts = 10'000;
-  // Key of the entry in `facts` that names the signal that interrupted the run.
+  // Key of an entry in `facts`. If a signal interrupted the run, the value of this entry is the name of the
+  // signal.
   static constexpr const char* kInterrupted = "interrupted";
   // Limit of message times: one year, which is longer than any run. Times up to this
   // limit can be converted to crystal periods (time.h) without overflow.

@@ -79,8 +79,9 @@ struct Marker {
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
-  // Name of the texture (Visual::texture). The name is written to the message field `text`. This field is
-  // free for the name, because ROS uses the field only for text markers.
+  // Name of the texture (Visual::texture). The name is written to the message field `text`. ROS uses the
+  // field `text` only for text markers. All markers here have other types, so the field `text` can hold the
+  // name.
   std::string texture;
   bool removes_all = false;
 };

@@ -52,8 +52,8 @@ class FollowedClock {
   static Result<std::unique_ptr<FollowedClock>> open(const std::string& path);
 
   // Reads the next message. Waits at most `patience` for the message, measured by this machine's clock.
-  // Returns true if the message is the first message of a new client. At this message, now() may jump to any
-  // time. Returns the errors of ClockStream::feed().
+  // Returns true if the message is the first message of a new client. The first message of a new client may
+  // move now() forward or backward by any amount. Returns the errors of ClockStream::feed().
   Result<bool> poll(Time patience);
   // Returns the latest time, or zero before the first message.
   Time now() const { return now_; }

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A fault is reported in the step that contains the start of the fault. The fault `power_reset` takes effect
-// in the step in which the fault is reported. Every other fault takes effect in each step that begins between
-// the start and the end of the fault. SerialLine applies faults of the serial line, byte by byte.
+// in the step in which the fault is reported. A fault of any kind except `power_reset` takes effect in each
+// step that begins between the start and the end of the fault. SerialLine applies faults of the serial line,
+// byte by byte.
 #pragma once
 
 #include <functional>

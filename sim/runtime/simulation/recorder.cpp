@@ -44,7 +44,7 @@ constexpr char contacts_schema[] =
     "MSG: kaz/Contact\n"
     "string a\nstring b\n"
     "float64[3] at     # world frame, m\n"
-    "float64[3] force  # force on shape a, N\n";
+    "float64[3] force  # force on the shape in field `a`, N\n";
 constexpr char link_forces_schema[] =
     "# What everything but the robot itself does to its links, mean of the millisecond that ends\n"
     "# then; of the links that touch something. In the link's axes.\n"

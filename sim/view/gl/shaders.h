@@ -7,7 +7,7 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // does not read the shadow map; for parts of the picture that contain no shadow
+  none,  // no samples of the shadow map, for parts of the picture that contain no shadow
   hard,  // one sample of the shadow map, for the eyes
   soft,  // twelve samples of the shadow map, for supersampled pictures
 };

@@ -41,8 +41,8 @@ enum class Detail { fine, coarse };
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
-// Makes a subdivided icosahedron with the same volume as the sphere. With equal volumes, the outline of the
-// mesh in a picture has, on average, the radius of the sphere.
+// Makes a subdivided icosahedron with the same volume as the sphere. Therefore the mean radius of the mesh's
+// outline in a picture is about the radius of the sphere.
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
 // Makes a plane with normal +z, centered at the origin.
 Mesh plane_mesh(double length_x, double length_y);

@@ -21,8 +21,9 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 static_assert(kSubpixel == 1 << 8);
 
 // Computes for each row the column of the first sample center that is on the edge or to the right of the
-// edge. In the row number `row`, the edge is at x = x0 + dx (kSubpixel row - y0) / dy. The column
-// is ceil(x / kSubpixel). The calculation is exact, in integers.
+// edge. The edge goes through the point (x0, y0) and has the direction (dx, dy). In the row with the number
+// `row`, the edge has this x coordinate: `x = x0 + dx * (kSubpixel * row - y0) / dy`. The column is
+// `ceil(x / kSubpixel)`. The calculation is exact, in integers.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {

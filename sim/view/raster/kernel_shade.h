@@ -71,7 +71,9 @@ struct Row {
   int number;
   const float* w;  // 1 / z of each sample
   Along ray, shadow;
-  float b2;  // part of the squared ray length that is constant in the row: `1 + (by * y + b0)^2`
+  // The squared length of a ray is a sum. This summand is the same for all samples of the row:
+  // `1 + (by * y + b0)^2`.
+  float b2;
 };
 
 KAZ_LANES_INLINE Floats square(Floats x) {
@@ -265,11 +267,13 @@ struct TextureRow {
   // `at + by * (x - x0)`.
   Along plane;
   float x0;
-  // Let w and w' be the values of w at two neighboring columns. Between these columns, u changes by
+  // From one column to the next column, w changes to `w'`. The change of u is this fraction:
   // `(by_u * w - by_w * u * w) / (w * w')`. The numerator of this fraction is the same at all columns of a
-  // row. In the upper row of the block, across_u and across_v are the numerators for u and v.
+  // row. The change of v is a similar fraction. In the upper row of the block, across_u is the numerator for
+  // u, and across_v is the numerator for v.
   float across_u, across_v;
-  // Between two neighboring rows, the numerators are down_u and down_v. These numerators depend on the column
+  // From the upper row of the block to the lower row, the changes of u and v are fractions of the same form.
+  // The numerator for u is down_u, and the numerator for v is down_v. These numerators depend on the column
   // x: `at + by_x * (x - x0)`.
   Slope down_u, down_v;
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0

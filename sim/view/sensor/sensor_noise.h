@@ -39,8 +39,9 @@ class NoiseRow {
     // Factor that converts values to codes, including sqrt(exposure). The unit of the values is 1/64 of a
     // code.
     float code = 0;
-    // Parameters of the noise. The noise is z sqrt(shot * code^2 + read). Here z is the sum of four random
-    // bytes, minus the mean of this sum.
+    // Parameters of the noise of a pixel. Let c be the code of the pixel without noise. Let z be the sum of
+    // four random bytes, minus the mean of this sum. The noise that is added to c^2 is:
+    // `z * sqrt(shot * c^2 + read)`.
     float shot = 0, read = 0;
   };
 

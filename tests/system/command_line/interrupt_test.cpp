@@ -207,7 +207,7 @@ const std::vector<Row>& table() {
        {},
        {},
        false,
-       "kaz recover: interrupted during the search for the board on PORT; nothing was changed: "
+       "kaz recover: interrupted while searching for the board on PORT; nothing was changed: "
        "give the same command again\n"},
       {"monitor", {"monitor", "--port", "PORT"}, "", SIGINT, 0},
       {"vision",

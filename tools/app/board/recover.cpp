@@ -171,8 +171,7 @@ Result<bool> recover(const RecoverOptions& options) {
   const auto recovered = recover_board(*link, clock, options, kept);
   // Also a failure because of the signal.
   if (!recovered && interrupt.requested() && recovered.error().fault != Fault::usage)
-    return fail(Fault::interrupted, "interrupted during the search for the board on " +
-                                        port.name() +
+    return fail(Fault::interrupted, "interrupted while searching for the board on " + port.name() +
                                         "; nothing was changed: give the same command again");
   const auto result = KAZ_TRY(recovered);
   const bool ok = result.left.empty() && shutdown(result.status).empty();

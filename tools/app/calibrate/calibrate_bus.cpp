@@ -260,7 +260,7 @@ class BusCalibration {
       for (const Change& one : changes_of(names_of(protocol_), before_[j], plans_[j].registers))
         std::fprintf(to, "  %-32s %-18s %6d -> %d\n", named(joints_[j].servo).c_str(), one.name,
                      one.before, one.after);
-    std::fprintf(to, "the zeros listed above are to be written to %s\n", path_.c_str());
+    std::fprintf(to, "the new zero positions are to be written to %s\n", path_.c_str());
     std::fflush(to);
     if (options_.yes) return {};
     const auto reply = KAZ_TRY(prompt_user("Press Enter to write, n to stop", interrupt_, kNobody));

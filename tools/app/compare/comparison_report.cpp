@@ -162,7 +162,8 @@ std::string comparison_text(const Comparison& comparison, const RunTrace& a, con
     if (measure.differs()) print_measure(text, measure, width);
   if (!all) return text;
   text +=
-      "\nmeasures without a difference above the noise, and measures that are not comparable:\n";
+      "\n"
+      "measures that do not differ, and measures that are not comparable:\n";
   for (const Measure& measure : comparison.measures)
     if (!measure.differs()) print_measure(text, measure, width);
   return text;

@@ -15,8 +15,8 @@ Result<void> check_erase(const FlashArguments& arguments) {
   if (arguments.reset.empty()) {
     if (arguments.blocks.empty())
       return fail(Fault::usage,
-                  "the blocks to erase are missing: give --blocks N,N, or erase the whole flash, "
-                  "including calibration and address, with --reset HOW");
+                  "no blocks are selected: give --blocks N,N to erase blocks, or --reset HOW to "
+                  "erase the whole flash, including calibration and address");
     const auto kept = [](int block) {
       return block == host::kVectorBlock || block == host::kLoaderBlock;
     };

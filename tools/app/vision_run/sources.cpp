@@ -309,9 +309,10 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   const auto vision = vision_options(options);
   if (!vision) return tl::unexpected(vision.error());
   if (options.robot.empty()) {
-    if (auto fits = refuse(
-            *vision, {"moving", "floor"},
-            "needs the robot's posture: give --robot, the port of the robot with these cameras");
+    if (auto fits =
+            refuse(*vision, {"moving", "floor"},
+                   "needs the robot's posture: give --robot PORT, with the port of the robot that "
+                   "carries these cameras");
         !fits)
       return tl::unexpected(fits.error());
   }
@@ -414,9 +415,9 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
     std::fprintf(
         stderr,
-        "kaz vision run: only %zu of %zu recorded pairs were processed: after them, the "
-        "repeated run differed from the recording. Perhaps the version of Kaz has changed; "
-        "`kaz replay --host %s` prints the first difference\n",
+        "kaz vision run: only %zu of %zu recorded pairs were processed, because the repeated run "
+        "then differed from the recording. Perhaps the version of Kaz has changed; `kaz replay "
+        "--host %s` prints the first difference\n",
         watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
