@@ -139,9 +139,9 @@ class BenchJudge {
   // to measurements that a bad line can distort. Appends "; but " and then `why` to the message of each such
   // measurement.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // Raises doubt about all measurements with index `first` or higher: the true value can be up to `factor`
-  // times the entered value. If a true value in this range would change the verdict of a measurement, the
-  // measurement becomes undecided.
+  // Marks all measurements with index `first` or higher as uncertain: a true value can be up to `factor`
+  // times the value that enter() got. If a true value in this range would change the verdict of a
+  // measurement, the measurement becomes undecided.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.
   std::pair<double, double> limits(const std::string& name) const;

@@ -219,8 +219,8 @@ void add_queue(Chapter& to) {
     b.silence(20);
   });
   to.add("last-of-many-busy",
-         "If several requests do not fit in the queue, only the last of these requests gets a "
-         "refusal.",
+         "The queue is full and several more requests arrive: only the last of these requests gets "
+         "a refusal.",
          "REQ-10", [](Board& b) {
            std::uint8_t number[4];
            Bytes wire;
@@ -253,8 +253,8 @@ void add_queue(Chapter& to) {
           "a request that was refused with BUSY was executed");
   });
   to.add("stop-overtakes",
-         "`stop` is executed at once, even while the board sends a reply and "
-         "another request waits.",
+         "`stop` is executed at once, even while the board sends a reply and another request "
+         "waits.",
          "REQ-11", [](Board& b) {
            const std::uint8_t first = b.new_sequence(), second = b.new_sequence(),
                               stop = b.new_sequence();

@@ -70,7 +70,7 @@ class FlashImage {
   // vectors nor loader: the board keeps its own vectors and loader.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
   // Compares the CRC of vectors and loader with the CRC in the loader's mark (shared/flash/image.h). Returns
-  // a description of the fault; empty if both are valid.
+  // a description of the difference. The description is empty if both CRCs are equal.
   std::string loader_damage() const;
 
  private:

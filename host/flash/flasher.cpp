@@ -227,9 +227,9 @@ Result<void> Flasher::load_writer_rest() {
       milliseconds(300),
       [](const WriterRequest&, const WriterReply& reply) -> Result<void> {
         if (reply.status == KZ_WRITER_OK) return {};
-        return kaz::fail(Fault::failed,
-                         "loading the flash writer stopped: " + status_text(reply.status) +
-                             "; use the writer.bin of this program");
+        return kaz::fail(Fault::failed, "the flash writer was not loaded completely: " +
+                                            status_text(reply.status) +
+                                            "; use the writer.bin of this program");
       });
 }
 
@@ -471,8 +471,8 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(
         Fault::failed,
-        "the application matches the image; calibration or address (EB1 to EB3) differ: "
-        "`kaz flash write` keeps the board's own");
+        "the application matches the image; calibration or address (EB1 to EB3) differ: `kaz flash "
+        "write` keeps the board's own");
   }
   // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {

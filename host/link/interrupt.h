@@ -53,9 +53,8 @@ class Interrupt {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// Suspends an interrupt during the lifetime of this object, but at most for `longest`. While the interrupt is
-// suspended, waits and reads work, so that a program can restore a board and read the replies. Only one
-// CleanUp may exist at a time.
+// Suspends an interrupt during the lifetime of this object, but at most for `longest`. Meanwhile, the program
+// can wait for replies and read them, for example to restore a board. Only one CleanUp may exist at a time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

@@ -31,8 +31,8 @@ class Profile {
     std::uint64_t count = 0;  // ended scopes
   };
   struct Thread {
-    // Name of the part of the thread's outermost scope. If an earlier thread has the same name, a number is
-    // appended.
+    // Name of the thread: the name of its outermost scope. If an earlier thread has the same name, a number
+    // is appended.
     std::string name;
     double cpu_s = 0;  // CPU time in scopes
   };

@@ -36,11 +36,12 @@ void add_fuzz(CLI::App& program, Action& action) {
       ->transform(whole_number())
       ->capture_default_str()
       ->type_name("N");
-  auto* corpus = verb->add_option("--corpus", arguments->corpus,
-                                  "folder of cases with which the search begins. Kaz creates the "
-                                  "folder if it is missing, and adds each case to which the board "
-                                  "reacts in a new way")
-                     ->type_name("DIR");
+  auto* corpus =
+      verb->add_option("--corpus", arguments->corpus,
+                       "folder of cases with which the search begins. Kaz creates the "
+                       "folder if it is missing. If a new case makes the board react in a "
+                       "new way, Kaz adds the case to the folder")
+          ->type_name("DIR");
   auto* out = verb->add_option("--out", arguments->out, "file for a failing case")
                   ->capture_default_str()
                   ->type_name("FILE");

@@ -25,9 +25,9 @@ void add_replay(CLI::App& program, Action& action) {
       ->required()
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
-                              "replay only the host, with the recorded bytes and pictures (the "
-                              "default if the recording has pictures, or if the behavior needs no "
-                              "pictures)");
+                              "replay only the host, with the recorded bytes and pictures. This is "
+                              "the default, unless the recording lacks pictures that the behavior "
+                              "needs");
   verb->add_flag("--whole", arguments->whole,
                  "run host and simulation again from the seed, and compare every message (the "
                  "default if the behavior needs pictures that the recording does not contain)")

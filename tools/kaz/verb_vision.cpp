@@ -89,8 +89,8 @@ void add_learn(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "also print the thresholds as JSON");
   verb->footer(
-      "Kaz prints which share of the rest of the picture also has this color. Only the object "
-      "should have this color; if the share is above a quarter, Kaz prints a warning.\n"
+      "Kaz prints which share of the rest of the picture also has this color. If this share is "
+      "above a quarter, Kaz prints a warning, because only the object should have the color.\n"
       "Examples:\n"
       "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
@@ -114,11 +114,12 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                                 "left pictures of stereo pairs: a file name pattern in quotes")
                    ->excludes(in)
                    ->type_name("PATTERN");
-  auto* right = verb->add_option("--right", options->right,
-                                 "right pictures of the stereo pairs, with the same numbers in "
-                                 "their names: a file name pattern in quotes")
-                    ->needs(left)
-                    ->type_name("PATTERN");
+  auto* right =
+      verb->add_option("--right", options->right,
+                       "right pictures of the stereo pairs: a file name pattern in quotes. "
+                       "The pictures of a pair have the same number in their names")
+          ->needs(left)
+          ->type_name("PATTERN");
   left->needs(right);
   verb->add_option("--out", options->out, "folder for overlays, a table (CSV) and result.json")
       ->required()

@@ -11,8 +11,8 @@
 //
 // Here v_a and v_b are the velocities of the bodies a and b, and f is the force on a along t. The parameters
 // erp and softness have the values for the step size h (contact_surface.h). The stiffness of the spring is
-// kContactErp / (kErpStep softness) N/m. Surfaces without softness have no shear. All vectors are in the
-// world frame, lengths in m.
+// kContactErp / (kErpStep * softness), in N/m. Surfaces without softness have no shear. All vectors are in
+// the world frame, lengths in m.
 #pragma once
 
 #include <cstdint>

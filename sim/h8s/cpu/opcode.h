@@ -48,8 +48,8 @@ struct Decoded {
 // Length of the longest instruction, in 16-bit units.
 inline constexpr int kMaxUnits = 5;
 
-// Decodes the instruction at the front of `units`, which has fewer than kMaxUnits elements near the end of
-// memory. If `normal` is true, the state counts are those of normal mode.
+// Decodes the instruction at the front of `units`. Near the end of memory, `units` may have fewer than
+// kMaxUnits elements. If `normal` is true, the state counts are those of normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
 // Decodes the instruction in memory that belongs to Cpu::code[index], without changing that entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);

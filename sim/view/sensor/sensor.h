@@ -23,9 +23,9 @@ struct EyeModel {
   int width = 320, height = 240;
   // Horizontal angle of view of the rectified pictures: 80 degrees.
   double rectified_view_rad = 1.3962634015954636;
-  // Horizontal angle of view of the middle row through the lens. This angle is larger than the angle of the
-  // rectified pictures. Therefore rectified pictures have no empty margin if the principal point or the
-  // direction of a camera deviates.
+  // Horizontal angle of view of the lens, measured along the middle row of the picture. This angle is larger
+  // than the angle of the rectified pictures. Therefore rectified pictures have no empty margin if the
+  // principal point or the direction of a camera deviates.
   double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
   std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
   // Fraction of the light that is lost in the corners of the picture. The loss is proportional to the squared
