@@ -218,7 +218,7 @@ class Bench {
     for (std::size_t i = 0; i < KZ_JOINTS; ++i) encode(joints[i], &expected[i * kJointSize]);
 
     const auto differs = [&](const std::string& what) {
-      std::printf("difference in call %llu of seed %llu: %s\n",
+      std::printf("difference in call %llu, seed %llu: %s\n",
                   static_cast<unsigned long long>(number), static_cast<unsigned long long>(seed),
                   what.c_str());
       return false;

@@ -96,8 +96,9 @@ Result<void> BoardLine::with_joints_on(const std::function<Result<void>()>& load
   return fail(Fault::environment,
               "the board on " + link_.name() + " switched its motors off in each of " +
                   std::to_string(host::LatenessMeter::kRepetitions + 1) +
-                  " runs because no request came for 100 ms: this machine is too busy, or the line "
-                  "drops out; end other programs and try again");
+                  " runs because no request reached the board for 100 ms: either this machine is "
+                  "too busy, or the connection to the board was interrupted; end other programs "
+                  "and try again");
 }
 
 bool BoardLine::can_stream() const {

@@ -69,9 +69,9 @@ class BoardLine {
   // If `on`, holds all joints at their present angles; otherwise switches all joints off. The board refuses
   // to switch joints on while a shutdown is latched.
   Result<void> enable(bool on);
-  // Switches the joints on, holds them in place, runs `load`, and switches the joints off. Repeats these
-  // steps if the board's link watchdog switched the joints off, for example because this program was stopped
-  // for a while. A run counts only if the joints were on during the whole run. Error (environment): the
+  // Switches the joints on, holds them in place, runs `load`, and switches the joints off. If the board's
+  // link watchdog switches the joints off during a run, with_joints_on() starts another run. There are at
+  // most four runs. A run counts only if the joints were on during the whole run. Error (environment): the
   // watchdog switched the joints off in each run.
   Result<void> with_joints_on(const std::function<Result<void>()>& load);
 

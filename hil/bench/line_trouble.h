@@ -8,11 +8,13 @@
 
 namespace kaz::hil {
 
-// Appends `what` to the list in `trouble`. A list that is not empty begins with "on the line".
+// `trouble` is a list of line errors in words. If `trouble` is empty, sets `trouble` to "on the line",
+// followed by `what`. Otherwise appends a comma and `what`.
 void add_trouble(std::string& trouble, const std::string& what);
-// Returns a text about the line errors between two counts: "on the line 3 replies were lost, 1 frame arrived
-// damaged". The text is empty if there were no line errors. A frame that is damaged on the way to the board
-// appears as a missing reply.
+// `before` and `after` are error counts of a line at two times. Returns a text about the line errors between
+// these times. For example, the text for one damaged frame is "on the line 1 frame arrived damaged". The text
+// is empty if there were no line errors. A frame that is damaged on the way to the board appears as a missing
+// reply.
 std::string line_trouble(const host::LinkStatistics& before, const host::LinkStatistics& after);
 
 }  // namespace kaz::hil

@@ -69,8 +69,8 @@ struct Plot {
 using Limits = std::map<std::string, std::pair<double, double>>;
 // Parses limits from JSON. The JSON text is either an object, such as {"stall.torque_10v": {"low": 2.0,
 // "high": 2.3}}, or the list that `kaz bench list --json` prints. If "low" or "high" is missing or null,
-// there is no limit on that side. Errors (usage): the text is not JSON or empty; unknown name or key;
-// repeated name; low above high.
+// there is no limit on that side. Errors (usage): the text is not JSON; the JSON object or list is empty;
+// unknown name or key; repeated name; low above high.
 Result<Limits> parse_limits(const std::string& json, const std::string& file_name);
 
 struct BenchReport {
@@ -99,8 +99,8 @@ struct BenchReport {
 // by reference must outlive this object.
 class BenchJudge {
  public:
-  // Called for each measurement that is entered. For measurements within timed(), the calls are made at the
-  // end of timed().
+  // Called for each measurement that is entered. For a measurement that is entered during timed(), the
+  // listener is called at the end of timed().
   using Listener = std::function<void(const Measurement&)>;
   // `lateness` measures how long this process was delayed on a busy machine. In simulated time, `lateness` is
   // null.
@@ -108,7 +108,8 @@ class BenchJudge {
              host::LatenessMeter* lateness = nullptr)
       : report_(report), limits_(limits), listener_(std::move(listener)), lateness_(lateness) {}
 
-  // Enters a value. `name` is the name in measurements.def, `note` describes special conditions.
+  // Enters a value. `name` is a name in measurements.def. `note` describes special conditions of the
+  // measurement.
   void enter(const std::string& subject, const std::string& name, double value, double error = 0,
              const std::string& note = {});
   // Enters a measurement with the verdict `failed`, whether or not the value is inside its limits. The
@@ -122,25 +123,27 @@ class BenchJudge {
   void enter_without_default_limits(const std::string& subject, const std::string& name,
                                     double value, double error, const std::string& note);
   void leave_out(const std::string& subject, const std::string& name, const std::string& why);
-  // Returns the line errors since the last call: "on the line 3 replies were lost"; empty: no errors.
+  // Returns a text about the line errors since the previous call. The text is empty if there were no line
+  // errors.
   using LineTrouble = std::function<std::string()>;
-  // Runs a part that measures times with this machine's clock. If a measurement of the part fails while the
-  // machine was late, all results of the part are dropped and the part is repeated. If the machine was late
-  // in each run, the failed measurements are undecided. `at_least` selects the delays that count as lateness.
-  // If `at_least` is above 0, only delays of this length or more count. Every failed measurement of the part
-  // can then become undecided. If `at_least` is 0, the thresholds of LatenessMeter apply. Only measurements
-  // that depend on this machine's clock can then become undecided. A disturbed line has the same effect as a
-  // late machine, but only on measurements that a bad line can distort. Failed measurements of the line
-  // itself stay failed. Errors: the errors of `part`; the program at the other end no longer replies
-  // (environment).
+  // Runs a part that measures times with this machine's clock. If the machine was late during a run of the
+  // part and a measurement of this run failed, all results of this run are dropped and the part is repeated.
+  // If the machine was late in each run, the failed measurements are undecided. `at_least` selects the delays
+  // that count as lateness. If `at_least` is above 0, only delays of this length or more count. If `at_least`
+  // is above 0, every failed measurement of the part can become undecided. If `at_least` is 0, the thresholds
+  // of LatenessMeter apply. If `at_least` is 0, only measurements that depend on this machine's clock can
+  // become undecided. If line errors occurred during a run, a failed measurement that line errors can distort
+  // also causes a repetition. If line errors occurred in each run, a failed measurement that line errors can
+  // distort becomes undecided. Line errors never make a measurement of the group `link` undecided. Errors:
+  // the errors of `part`; the program at the other end no longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
-  // Makes all failed measurements with index `first` or higher undecided. With Doubt::line, this applies only
-  // to measurements that a bad line can distort. Appends "; but " and then `why` to the message of each such
-  // measurement.
+  // Makes all failed measurements with index `first` or higher undecided. If `doubt` is Doubt::line,
+  // measurements that line errors cannot distort stay failed. The message of each measurement that becomes
+  // undecided is extended by a semicolon, the word "but", and `why`.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
-  // Marks all measurements with index `first` or higher as uncertain: a true value can be up to `factor`
-  // times the value that enter() got. If a true value in this range would change the verdict of a
+  // Declares that the true value of each measurement with index `first` or higher lies between the entered
+  // value and `factor` times the entered value. If a true value in this range would change the verdict of a
   // measurement, the measurement becomes undecided.
   void doubt(std::size_t first, double factor, const std::string& why);
   // Returns the limits that enter() applies.

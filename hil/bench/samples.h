@@ -9,8 +9,9 @@
 
 namespace kaz::hil {
 
-// Returns a quantile: the smallest sample x such that at least the fraction `share` (0 to 1) of the samples
-// is at most x. Returns NaN if there are no samples.
+// Returns a quantile of the samples. For example, with 100 samples and a `share` of 0.9, the result is the
+// 90th sample in ascending order. The rank is `share` (0 to 1) times the number of samples. A fractional rank
+// is rounded up, and a rank of 0 counts as 1. Returns NaN if there are no samples.
 double quantile(std::vector<double> samples, double share);
 // Returns NaN for fewer than two samples.
 double standard_deviation(const std::vector<double>& samples);

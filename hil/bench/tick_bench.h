@@ -9,7 +9,8 @@ namespace kaz::hil {
 
 struct TickBenchOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  // Time with telemetry only. Half of this time is before the load, half is after the load.
+  // Time with telemetry only. The first half of `quiet_time` is before `load_time`, the second half is after
+  // `load_time`.
   Time quiet_time = std::chrono::seconds(10);
   Time load_time = std::chrono::seconds(10);  // time with control cycles of 18 joints at 100 Hz
   bool allow_motion = false;                  // see LinkBenchOptions::allow_motion

@@ -93,7 +93,7 @@ std::string missing_servo_text(unsigned missing) {
   const auto add = [&](unsigned need, const char* what) {
     if ((missing & need) != 0) text += (text.empty() ? "" : " and ") + std::string(what);
   };
-  add(kServoNever, "the case would make a change that cannot be undone");
+  add(kServoNever, "the change that this case makes cannot be undone");
   add(kServoMotion, "needs --allow-motion");
   add(kServoEeprom, "needs --allow-eeprom");
   add(kServoAlone, "needs --alone, because the case reaches every servo at the port");

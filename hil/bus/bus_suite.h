@@ -1,8 +1,9 @@
 // Conformance cases for bus servos, and how to run them.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The cases test the rules of docs/reference/servo-bus.md, except its section "Our choices", and the corpus
-// of registers. A case restores all registers that it changes.
+// The cases test the rules of docs/reference/servo-bus.md, but not the section "Our choices" of this page.
+// The cases also compare the servo's registers with the corpus of registers in shared/*/corpus/*.csv. A case
+// restores all registers that it changes.
 #pragma once
 
 #include <functional>
@@ -51,7 +52,8 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // bits of ServoNeed that are allowed
-  // Whether to switch off torque that is on at the start. If false, such torque is an error.
+  // Whether to switch off torque that is on at the start. If `release` is false and the torque is on at the
+  // start, run_bus_suite() returns an error.
   bool release = false;
   // After an interrupt, the registers that the running case changed are restored, and then the run ends.
   // `interrupt` may be null.
@@ -61,8 +63,9 @@ struct BusRunOptions {
 };
 
 // Runs the chosen cases. Returns the errors of chosen() and of ExaminedServo::identify(). Other errors
-// (environment): the port is lost; registers of an interrupted case could not be restored. After an interrupt
-// without an error, returns the report of the cases that have run.
+// (environment): the port is lost; registers of an interrupted case could not be restored. If the run was
+// interrupted and all registers could be restored, returns the report of the cases that ran before the
+// interrupt.
 Result<RunReport> run_bus_suite(host::Link& link, host::Clock& clock, const BusRunOptions& options);
 
 void add_feetech_cases(std::vector<ServoCase>& all);

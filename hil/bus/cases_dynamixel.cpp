@@ -91,16 +91,18 @@ void add_packet_cases(ServoCases cases) {
               servo.silent(request, "the first eight bytes of a ping", 50ms);
               ping(servo);
             });
-  cases.add("packet.stuffing", "In parameters, an FD after FF FF FD is stuffing and not data.",
-            "packet", [](ExaminedServo& servo) {
-              // With the FD as data it would be five bytes for a register of four.
-              servo.keep(profile(servo));
-              const long before = servo.value(profile(servo));
-              const auto got = servo.answer(
-                  kWrite, servo.write_of(profile(servo).address, {0xFF, 0xFF, 0xFD, 0x00}));
-              equal("error", error_of(got), kRangeError);
-              equal("Profile Velocity", servo.value(profile(servo)), before);
-            });
+  cases.add(
+      "packet.stuffing",
+      "If parameters contain the bytes FF FF FD FD, the servo discards the second FD as stuffing.",
+      "packet", [](ExaminedServo& servo) {
+        // With the FD as data it would be five bytes for a register of four.
+        servo.keep(profile(servo));
+        const long before = servo.value(profile(servo));
+        const auto got =
+            servo.answer(kWrite, servo.write_of(profile(servo).address, {0xFF, 0xFF, 0xFD, 0x00}));
+        equal("error", error_of(got), kRangeError);
+        equal("Profile Velocity", servo.value(profile(servo)), before);
+      });
   cases.add("packet.all-answered", "100 requests get 100 answers.", "line",
             [](ExaminedServo& servo) {
               const ServoRow& row = servo.table().model_row();
@@ -116,7 +118,7 @@ void add_error_cases(ServoCases cases) {
   cases.add("errors.instruction", "An unknown instruction gets error 2.", "packet",
             [error](ExaminedServo& servo) { error(servo, kUnknown, {}, kInstructionError); });
   cases.add("errors.action",
-            "An action instruction without an earlier reg write instruction gets error 2.",
+            "An `action` instruction without an earlier `reg write` instruction gets error 2.",
             "packet", [error](ExaminedServo& servo) {
               equal("Registered Instruction",
                     servo.value(servo.table().row("Registered Instruction")), 0);
@@ -152,8 +154,8 @@ void add_error_cases(ServoCases cases) {
 }
 
 void add_group_cases(ServoCases cases) {
-  cases.add("groups.sync-read", "A sync read gets the same answer as a read.", "packet",
-            [](ExaminedServo& servo) {
+  cases.add("groups.sync-read", "A sync read gets the same data as a read of the same register.",
+            "packet", [](ExaminedServo& servo) {
               const ServoRow& row = servo.table().model_row();
               const auto all = servo.answers(
                   servo_request(kDynamixel, kAllServos, kSyncRead,
@@ -161,7 +163,7 @@ void add_group_cases(ServoCases cases) {
                   1);
               equal("id", all[0].id, servo.id());
               check(all[0].data == servo.read(row.address, row.size),
-                    "the data differ from the data of a read");
+                    "the data of the sync read differ from the data of the read");
             });
   cases.add("groups.sync-read-of-others", "A sync read without the servo's id is not answered.",
             "packet", [](ExaminedServo& servo) {
@@ -169,19 +171,21 @@ void add_group_cases(ServoCases cases) {
                                          with_id(servo.read_of(0, 2), other_id(servo))),
                            "a sync read of another id");
             });
-  cases.add("groups.bulk-read", "A bulk read gets the same answer as a read.", "packet",
-            [](ExaminedServo& servo) {
+  cases.add("groups.bulk-read", "A bulk read gets the same data as a read of the same registers.",
+            "packet", [](ExaminedServo& servo) {
               Bytes parameters{static_cast<std::uint8_t>(servo.id())};
               append(parameters, servo.read_of(0, 7));
               const auto all =
                   servo.answers(servo_request(kDynamixel, kAllServos, kBulkRead, parameters), 1);
               equal("id", all[0].id, servo.id());
-              check(all[0].data == servo.read(0, 7), "the data differ from the data of a read");
+              check(all[0].data == servo.read(0, 7),
+                    "the data of the bulk read differ from the data of the read");
             });
   for (const bool bulk : {false, true}) {
     cases.add(
         bulk ? "groups.fast-bulk-read" : "groups.fast-sync-read",
-        "The answer to a fast read has error, id and data of each servo in one packet.", "packet",
+        "A fast read is answered with one packet, which contains error, id and data of each servo.",
+        "packet",
         [bulk](ExaminedServo& servo) {
           Bytes parameters = servo.read_of(0, 7);
           if (bulk)
@@ -196,7 +200,9 @@ void add_group_cases(ServoCases cases) {
           equal("error", error_of(all[0]), 0);
           Bytes wanted{static_cast<std::uint8_t>(servo.id())};
           append(wanted, servo.read(0, 7));
-          check(all[0].data == wanted, "id or data differ from the answer to a read");
+          check(all[0].data == wanted,
+                "the id in the answer to the fast read is wrong, or the data differ from the data "
+                "of a normal read");
         },
         kServoNothing, has_fast_reads);
   }
@@ -242,7 +248,7 @@ void add_instruction_cases(ServoCases cases) {
                     0);
               equal(row.what + " before the action", servo.value(row), before);
               equal(waits.what + " before the action", servo.value(waits), 1);
-              equal("error of the action", error_of(servo.answer(kAction)), 0);
+              equal("error in the answer to `action`", error_of(servo.answer(kAction)), 0);
               equal(row.what + " after the action", servo.value(row), other);
               equal(waits.what + " after the action", servo.value(waits), 0);
             });
@@ -271,22 +277,22 @@ void add_instruction_cases(ServoCases cases) {
         level_to(2);
         equal("Status Return Level", servo.value(level), 2);
       });
-  cases.add(
-      "instructions.indirect",
-      "A read or write of Indirect Data 1 goes to the address that Indirect Address 1 contains.",
-      "registers", [](ExaminedServo& servo) {
-        const ServoTable& table = servo.table();
-        servo.keep(led(servo));
-        equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);
-        for (const long lit : {1L, 0L}) {
-          servo.write(led(servo), lit);
-          equal("Indirect Data 1", servo.value(table.row("Indirect Data 1")), lit);
-        }
-        const ServoRow& data = table.row("Indirect Data 1");
-        equal("error of a write through the indirect address",
-              error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
-        equal("LED", servo.value(led(servo)), 1);
-      });
+  cases.add("instructions.indirect",
+            "If `Indirect Address 1` contains the address of a register, a read or write of "
+            "`Indirect Data 1` accesses this register.",
+            "registers", [](ExaminedServo& servo) {
+              const ServoTable& table = servo.table();
+              servo.keep(led(servo));
+              equal("error", servo.write(table.row("Indirect Address 1"), led(servo).address), 0);
+              for (const long lit : {1L, 0L}) {
+                servo.write(led(servo), lit);
+                equal("Indirect Data 1", servo.value(table.row("Indirect Data 1")), lit);
+              }
+              const ServoRow& data = table.row("Indirect Data 1");
+              equal("error of a write through the indirect address",
+                    error_of(servo.answer(kWrite, servo.write_of(data.address, {1}))), 0);
+              equal("LED", servo.value(led(servo)), 1);
+            });
   add_write_to_all(cases, kDynamixel, profile);
   for (const char* one : {"factory-reset", "reboot", "clear", "backup"})
     cases.add(

@@ -113,7 +113,8 @@ void add_instruction_cases(ServoCases cases) {
               }
             });
   cases.add(
-      "instructions.sync-read", "A sync read gets the same answer as a read.", "packet",
+      "instructions.sync-read", "A sync read gets the same data as a read of the same register.",
+      "packet",
       [](ExaminedServo& servo) {
         const ServoRow& row = servo.table().model_row();
         Bytes parameters = servo.read_of(row.address, row.size);
@@ -122,7 +123,7 @@ void add_instruction_cases(ServoCases cases) {
             servo.answers(servo_request(kFeetech, kAllServos, kSyncRead, parameters), 1);
         equal("id", all[0].id, servo.id());
         check(all[0].data == servo.read(row.address, row.size),
-              "the data differ from the data of a read");
+              "the data of the sync read differ from the data of the read");
       },
       kServoNothing, is_sts);
   cases.add(
@@ -137,7 +138,7 @@ void add_instruction_cases(ServoCases cases) {
       kServoNothing, is_sts);
   add_write_to_all(cases, kFeetech, probe);
   cases.add(
-      "instructions.response-level", "At response level 0 only pings and reads are answered.",
+      "instructions.response-level", "At response level 0, the servo answers only pings and reads.",
       "packet",
       [](ExaminedServo& servo) {
         const ServoRow& level = *servo.table().find({"response status level", "response level"});

@@ -10,35 +10,42 @@ namespace {
 
 constexpr int kServoWrite = 3;  // of both families
 
-// Rows that no case writes, with the reason. Others of the same beginning, as "Goal PWM", alike.
+// Rows that the cases of all RAM and EEPROM registers leave out, with the reason. Others of the same
+// beginning, as "Goal PWM", alike.
 constexpr std::pair<const char*, const char*> kNeverWritten[] = {
-    {"ID", "the servo would become unreachable"},
-    {"baud rate", "the servo would become unreachable"},
-    {"Baud Rate", "the servo would become unreachable"},
-    {"Protocol Type", "the servo would become unreachable"},
-    {"Secondary ID", "the servo would execute another servo's requests"},
-    {"return delay", "the servo would answer after a different delay"},
-    {"Return Delay Time", "the servo would answer after a different delay"},
-    {"response", "answers would stop"},
-    {"Status Return Level", "other cases write this register"},
-    {"lock", "EEPROM would change"},
+    {"ID", "a new value would make the servo unreachable"},
+    {"baud rate", "a new value would make the servo unreachable"},
+    {"Baud Rate", "a new value would make the servo unreachable"},
+    {"Protocol Type", "a new value would make the servo unreachable"},
+    {"Secondary ID", "with a new value, the servo would execute requests to another id"},
+    {"return delay", "a new value would change the delay of each answer"},
+    {"Return Delay Time", "a new value would change the delay of each answer"},
+    {"response", "a new value could stop the answers to writes"},
+    {"Status Return Level", "the case `instructions.status-return-level` writes this register"},
+    {"lock", "while `lock` is 0, EEPROM keeps each written value"},
     {"phase", "the effect of some bits is unknown"},
-    {"operation mode", "switching the torque on would turn the shaft"},
-    {"Operating Mode", "switching the torque on would turn the shaft"},
-    {"Drive Mode", "switching the torque on would turn the shaft"},
-    {"Startup Configuration", "the next power-on would turn the shaft"},
-    {"position correction", "the same goal would mean a different position of the shaft"},
-    {"Homing Offset", "the same goal would mean a different position of the shaft"},
-    {"torque switch", "the servo would hold the shaft"},
-    {"Torque Enable", "the servo would hold the shaft"},
-    {"Bus Watchdog", "the servo would reject later goals"},
+    {"operation mode",
+     "after a change of this register, the shaft could turn when the torque is switched on"},
+    {"Operating Mode",
+     "after a change of this register, the shaft could turn when the torque is switched on"},
+    {"Drive Mode",
+     "after a change of this register, the shaft could turn when the torque is switched on"},
+    {"Startup Configuration",
+     "after a change of this register, the shaft could turn at the next power-on"},
+    {"position correction",
+     "after a change of this register, the same goal would turn the shaft to a different position"},
+    {"Homing Offset",
+     "after a change of this register, the same goal would turn the shaft to a different position"},
+    {"torque switch", "if the torque were switched on, the servo would hold the shaft"},
+    {"Torque Enable", "if the torque were switched on, the servo would hold the shaft"},
+    {"Bus Watchdog", "after a timeout of this watchdog, the servo would reject goals"},
     {"target location", "a write would switch the torque on"},
     {"goal position", "a write would switch the torque on"},
     {"Goal", "a write can switch the torque on"},
     {"operation time or PWM", "in one operating mode, this register sets the motor's duty"},
     {"operation speed", "in one operating mode, this register sets the motor's speed"},
     {"goal time", "in one operating mode, this register sets the motor's duty"},
-    {"Indirect Data", "a write would change the mapped register"},
+    {"Indirect Data", "a write would change the register to which `Indirect Data` is mapped"},
 };
 
 bool never_written(const ServoRow& row) {
@@ -174,10 +181,12 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
       kServoEeprom);
   std::string list;
   for (const auto& [name, reason] : kNeverWritten)
-    list += (list.empty() ? "" : ", ") + std::string(name) + ": " + reason;
+    list += (list.empty() ? "" : "; ") + std::string(name) + ": " + reason;
   cases.add(
-      "registers.others", "Registers that no case writes (" + list + ").", "registers",
-      [](ExaminedServo&) {}, kServoNever);
+      "registers.others",
+      "The cases `registers.ram` and `registers.eeprom` do not write these registers (" + list +
+          ").",
+      "registers", [](ExaminedServo&) {}, kServoNever);
 }
 
 }  // namespace kaz::hil

@@ -34,8 +34,8 @@ class ExaminedServo {
   void begin_case() { transcript_.clear(); }
   // Restores the registers and switches the torque off. Throws Failed if the servo does not confirm that the
   // torque is off, or if registers could not be restored. The error message names these registers. `moves`:
-  // whether the case is allowed to move the servo. Also throws Failed if the torque was on although `moves`
-  // is false.
+  // whether the case is allowed to move the servo. If `moves` is false and the torque was on when end_case()
+  // was called, throws Failed.
   void end_case(bool moves);
   const std::vector<std::string>& transcript() const { return transcript_; }
   // Returns whether end_case() still has registers to restore.

@@ -40,7 +40,8 @@ bool ServoTable::big_endian() const {
 const ServoRow& ServoTable::row(std::string_view what) const {
   const auto found = std::ranges::find(rows, what, &ServoRow::what);
   if (found == rows.end())
-    throw std::logic_error("the corpus of " + model + " has no " + std::string(what));
+    throw std::logic_error("the register table of " + model + " has no register '" +
+                           std::string(what) + "'");
   return *found;
 }
 

@@ -33,7 +33,7 @@ struct ServoTable {
   std::vector<ServoRow> rows;  // by address
 
   bool big_endian() const;
-  // Returns the row with this name, which must exist (else std::logic_error).
+  // Returns the row with this name. If there is no row with this name, throws std::logic_error.
   const ServoRow& row(std::string_view what) const;
   // Returns the first row that has one of these names, or null. Several names are needed because tables use
   // different names for the same register.

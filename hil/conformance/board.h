@@ -54,7 +54,7 @@ class Board {
   void write(const Bytes& bytes);
   std::optional<Frame> next(int at_most_ms);  // next frame of any type, also telemetry
   void silence(int ms);                       // fails if any frame other than telemetry comes
-  void wait(int ms);                          // frames that arrive meanwhile can be read afterwards
+  void wait(int ms);                          // collects frames for next() and expect_frame()
   void forget_frames() { frames_.clear(); }   // drops frames that were not read
   // Returns the number of bytes outside frames plus the number of damaged frames.
   int wild_bytes() const { return deframer_.faults(); }
@@ -69,16 +69,18 @@ class Board {
   Frame expect_frame(std::uint8_t type, std::uint8_t sequence, int at_most_ms = 0);
   // Sends a request with a new sequence number and returns the reply or refusal.
   Frame raw_request(std::uint8_t type, const Bytes& fields);
-  bool answers();  // true if identify is answered within 50 ms
-  // Returns whether no board answers at any address. Waits for a board that is still starting. On a bench,
-  // always returns false, because the bench resets the board before the next case.
+  // Sends the request `identify` and returns whether a frame arrives within 50 ms.
+  bool answers();
+  // Without a bench, searches all addresses for up to 2 s, and returns true if no board answers. With a
+  // bench, returns false without a search, because the bench resets the board before the next case.
   bool gone();
 
   // ---- Requests by name
 
   // The method done() sends a request and returns the reply. The method take() returns the reply to an
   // earlier request. The methods refused(), refused_type() and take_refusal() return the refusal of the
-  // board. These methods throw Failed if the board does not refuse the request for the reason `reason`.
+  // board. The methods refused(), refused_type() and take_refusal() throw Failed if the board does not refuse
+  // the request, or if the reason of the refusal differs from `reason`.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
   Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);
   Reply refused(std::string_view name, const Bytes& fields, int reason, int detail = kAnyDetail);
@@ -98,13 +100,15 @@ class Board {
   void reset_by_command();  // resets and waits for the board
   void come_to_rest();      // waits until no joint moves, at most 3 s
   void expect_alive();      // checks that the next request is answered
-  void expect_off();        // checks the status; with a bench, also the pins
+  // Checks that all motors are off according to the board's status. With a bench, also checks that the drive
+  // of each motor is 0.
+  void expect_off();
   // Returns the telemetry frames of the next `ms` milliseconds and drops other frames. If `heartbeats`, sends
   // a heartbeat every 30 ms.
   std::vector<Frame> telemetry(int ms, bool heartbeats);
 
-  // Returns the last 60 lines of the bytes exchanged in this case. Each line contains consecutive bytes in
-  // one direction and the time of the first byte.
+  // Returns the bytes exchanged in this case as text, at most the last 60 lines. Each line contains
+  // consecutive bytes in one direction and the time of the first byte.
   const std::vector<std::string>& transcript() const { return transcript_; }
 
  private:

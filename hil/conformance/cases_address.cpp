@@ -48,7 +48,7 @@ void add_address_cases(Cases& all) {
            for (const char* name : {"identify", "state", "clear", "self_test"}) {
              equal("address", b.done(name).frame().address, b.address);
            }
-           equal("address of a refusal",
+           equal("board address in a refusal",
                  b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE).frame().address, b.address);
          });
   to.add("all-done", "A request to all boards is executed and not answered.", "ADDR-3",
@@ -69,28 +69,29 @@ void add_address_cases(Cases& all) {
   for (int other = 0; other < 256; ++other) {
     const bool named = other == 0 || other == 2 || other == 14 || other == 16 || other == 255;
     if (!named) continue;
-    to.add(
-        ("other-" + std::to_string(other)).c_str(),
-        "A request to address " + std::to_string(other) + " is not executed, answered or counted.",
-        "ADDR-4", [other](Board& b) {
-          const long before = b.statistics()["frames"];
-          b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
-          b.silence(15);
-          equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
-          equal("valid frames", b.statistics()["frames"] - before, 2);
-        });
+    to.add(("other-" + std::to_string(other)).c_str(),
+           "A request to address " + std::to_string(other) +
+               " is neither executed nor answered nor counted.",
+           "ADDR-4", [other](Board& b) {
+             const long before = b.statistics()["frames"];
+             b.write(frame_of(b.other_than_home(other), KZ_TYPE_stop, b.new_sequence(), {}));
+             b.silence(15);
+             equal("shutdown reason", b.state().reason(), KZ_SHUTDOWN_NONE);
+             equal("valid frames", b.statistics()["frames"] - before, 2);
+           });
   }
   for (const int type : {0x81, 0x87, 0xC0, 0xFF, 0x80}) {
     to.add(("reply-type-" + std::to_string(type)).c_str(),
-           "A frame of type " + std::to_string(type) + ", with bit 7 set, is ignored.", "ADDR-5",
-           [type](Board& b) {
+           "A frame of type " + std::to_string(type) +
+               " is ignored, because bit 7 of the type is set.",
+           "ADDR-5", [type](Board& b) {
              b.write(frame_of(b.address, static_cast<std::uint8_t>(type), b.new_sequence(), {}));
              b.silence(15);
              b.expect_alive();
            });
   }
   to.add(
-      "set", "`set_address` changes the board's address at the next reset.", "ADDR-6",
+      "set", "The address that `set_address` sets applies only after the next reset.", "ADDR-6",
       [](Board& b) {
         b.done("unlock", Put().u16(KZ_KEY).u8(10));
         const std::uint8_t other = b.other_than_home(9);
@@ -116,10 +117,10 @@ void add_address_cases(Cases& all) {
       "ADDR-7",
       [](Board& b) {
         check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) != 0,
-              "the board does not report telemetry on an unshared line");
+              "the board does not report the capability TELEMETRY on an unshared line");
         while_at(b, 3, 1, [&] {
           check((b.done("identify")["capabilities"] & KZ_CAPABILITY_TELEMETRY) == 0,
-                "the board reports telemetry on a shared line");
+                "the board reports the capability TELEMETRY on a shared line");
           b.refused("telemetry", Put().u16(100).u8(1), KZ_REFUSED_SHARED_LINE);
           check(b.telemetry(120, true).empty(), "the board sent telemetry on a shared line");
         });

@@ -41,7 +41,8 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-time", "The board locks again after the given seconds.", "BENCH-1",
+      "unlock-time",
+      "`unlock` with 1 second unlocks the board for 1 s. Then the board locks again.", "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(900);
@@ -51,7 +52,9 @@ void add_lock(Chapter& to) {
       },
       kNothing);
   to.add(
-      "unlock-again", "Another `unlock` restarts the time until the board locks again.", "BENCH-1",
+      "unlock-again",
+      "If `unlock` arrives while the board is unlocked, the new time replaces the remaining time.",
+      "BENCH-1",
       [](Board& b) {
         unlock(b, 1);
         b.wait(600);
@@ -127,7 +130,7 @@ void add_raw(Chapter& to) {
     }
   }
   to.add(
-      "raw-full", "At full duty, the pin is constantly high.", "BENCH-3",
+      "raw-full", "At full duty, the PWM pin of the driven motor is constantly high.", "BENCH-3",
       [](Board& b) {
         unlock(b);
         b.bench().block_joint(0, true);
@@ -213,8 +216,8 @@ void add_safe(Chapter& to) {
   for (const int sign : {1, -1}) {
     to.add(
         std::string("raw-limit-") + (sign > 0 ? "upper" : "lower"),
-        std::string("`raw_drive` does not drive a joint beyond its ") +
-            (sign > 0 ? "upper" : "lower") + " soft limit.",
+        sign > 0 ? "`raw_drive` does not drive a joint beyond its upper soft limit."
+                 : "`raw_drive` does not drive a joint beyond its lower soft limit.",
         "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
@@ -234,8 +237,10 @@ void add_safe(Chapter& to) {
         kMotion | kBench);
     to.add(
         std::string("raw-overshoot-") + (sign > 0 ? "upper" : "lower"),
-        std::string("A `raw_drive` at full duty moves a joint at most 0.03 rad past its ") +
-            (sign > 0 ? "upper" : "lower") + " soft limit.",
+        sign > 0
+            ? "A `raw_drive` at full duty moves a joint at most 0.03 rad past its upper soft limit."
+            : "A `raw_drive` at full duty moves a joint at most 0.03 rad past its lower soft "
+              "limit.",
         "BENCH-5",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
@@ -252,8 +257,9 @@ void add_safe(Chapter& to) {
         },
         kMotion | kBench);
   }
-  to.add("raw-link", "The link watchdog ends a raw drive, even with reaction HOLD.", "BENCH-5",
-         [](Board& b) {
+  to.add("raw-link",
+         "The link watchdog ends a raw drive, even if the reaction of this watchdog is HOLD.",
+         "BENCH-5", [](Board& b) {
            for (const int reaction : {KZ_REACTION_LIMP, KZ_REACTION_HOLD}) {
              b.watchdog(0, reaction);
              unlock(b);
@@ -293,7 +299,8 @@ void add_safe(Chapter& to) {
 
 void add_restarts(Chapter& to) {
   to.add(
-      "reset", "The board replies to `reset` and then restarts with cause COMMAND.", "BENCH-6",
+      "reset", "The board replies to `reset` and then restarts with reset cause COMMAND.",
+      "BENCH-6",
       [](Board& b) {
         b.wait(100);
         const long before = b.state()["tick"];
@@ -320,15 +327,15 @@ void add_restarts(Chapter& to) {
       kNothing);
   to.add(
       "loader",
-      "`loader` stops the application. After 3 s, the application restarts with cause "
-      "COMMAND.",
+      "`loader` stops the application. After 3 s, the application restarts with reset "
+      "cause COMMAND.",
       "BENCH-7",
       [](Board& b) {
         b.done("loader", Put().u16(KZ_KEY));
         b.wait(300);
         check(!b.answers(), "the application still replies");
         b.wait(3200);
-        check(b.answers(), "the application does not reply 3.5 s later");
+        check(b.answers(), "3.5 s after `loader`, the application does not reply");
         const Reply who = b.done("identify");
         equal("cause", who["reset_cause"], KZ_RESET_COMMAND);
         b.expect_off();

@@ -89,19 +89,21 @@ void add_use(Chapter& to) {
                     usual.centre[i] - KZ_CENTRE_TOLERANCE, usual.centre[i] + KZ_CENTRE_TOLERANCE);
            }
          });
-  to.add("nominal",
-         "A stored copy is used. Without a stored copy, the values are nominal and UNCALIBRATED is "
-         "set.",
-         "CAL-5", [](Board& b) { expect_valid(b); });
-  to.add("set", "`calibrate` sets only the joints of its mask.", "CAL-2", [](Board& b) {
-    const Values before = values_of(b.done("calibration"));
-    b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
-    const Values after = values_of(b.done("calibration"));
-    Values wanted = before;
-    wanted.centre[3] += 200;
-    wanted.scale[3] -= 100;
-    check(after == wanted, "the values differ from the values that were set");
-  });
+  to.add(
+      "nominal",
+      "If a calibration is stored, the board uses the stored values. If no calibration is stored, "
+      "the board uses nominal values and sets UNCALIBRATED.",
+      "CAL-5", [](Board& b) { expect_valid(b); });
+  to.add("set", "`calibrate` changes only the values of the joints in the request's mask.", "CAL-2",
+         [](Board& b) {
+           const Values before = values_of(b.done("calibration"));
+           b.done("calibrate", calibrate_one(3, before.centre[3] + 200, before.scale[3] - 100));
+           const Values after = values_of(b.done("calibration"));
+           Values wanted = before;
+           wanted.centre[3] += 200;
+           wanted.scale[3] -= 100;
+           check(after == wanted, "the values differ from the values that were set");
+         });
   to.add("set-all", "`calibrate` sets all 18 joints at once.", "CAL-2", [](Board& b) {
     Values wanted = nominal();
     for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
@@ -226,7 +228,8 @@ void add_store(Chapter& to) {
       },
       kFlash | kBench);  // 13 copies are much for the life of a real part
   to.add(
-      "power-lost", "If power is lost while storing, the old or the new copy remains valid.",
+      "power-lost",
+      "If power is lost while the board stores a copy, the old or the new copy remains valid.",
       "CAL-4",
       [](Board& b) {
         with_stored(b, [&](const Values& old) {

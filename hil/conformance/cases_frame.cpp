@@ -76,7 +76,7 @@ void damaged_then_whole(Board& board, Damage damage) {
     // Where the damage fell between two frames both are whole.
     while (true) {
       const auto frame = board.next(30 + static_cast<int>(board.slack().count() / 250'000));
-      check(frame.has_value(), "the frame after a damaged one is not answered");
+      check(frame.has_value(), "the intact frame after a damaged frame is not answered");
       if (frame->sequence == sequence) break;
     }
     board.silence(3);
@@ -84,8 +84,8 @@ void damaged_then_whole(Board& board, Damage damage) {
 }
 
 void add_before(Chapter& to) {
-  to.add("zeros-around", "Each reply begins and ends with its own zero byte.", "FRAME-1",
-         [](Board& b) {
+  to.add("zeros-around", "Each reply begins with a zero byte and ends with another zero byte.",
+         "FRAME-1", [](Board& b) {
            for (const char* name : {"identify", "state", "statistics", "health"}) b.done(name);
            b.refused_type(0x7F, {}, KZ_REFUSED_UNKNOWN_TYPE);
            equal("bytes outside of frames", b.wild_bytes(), 0);
@@ -103,20 +103,23 @@ void add_before(Chapter& to) {
   to.add("noise-before", "Noise before the first zero byte is ignored.", "FRAME-2", [](Board& b) {
     for (int n = 0; n < 10; ++n) answered_after(b, random_bytes(b, 1 + n * 5, 1));
   });
-  to.add("half-frame-before", "A preceding incomplete frame is ignored.", "FRAME-2", [](Board& b) {
-    std::uint8_t sequence;
-    const Bytes whole = valid_frame(b, sequence);
-    for (std::size_t cut = 1; cut + 1 < whole.size(); ++cut) {
-      answered_after(b, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
-    }
-  });
-  to.add("tail-before", "The tail of a preceding frame is ignored.", "FRAME-2", [](Board& b) {
-    std::uint8_t sequence;
-    const Bytes whole = valid_frame(b, sequence);
-    for (std::size_t cut = 2; cut < whole.size(); ++cut) {
-      answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
-    }
-  });
+  to.add("half-frame-before", "An incomplete frame before a valid frame is ignored.", "FRAME-2",
+         [](Board& b) {
+           std::uint8_t sequence;
+           const Bytes whole = valid_frame(b, sequence);
+           for (std::size_t cut = 1; cut + 1 < whole.size(); ++cut) {
+             answered_after(b, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
+           }
+         });
+  to.add("tail-before",
+         "If only the tail of a frame arrives before a valid frame, the tail is ignored.",
+         "FRAME-2", [](Board& b) {
+           std::uint8_t sequence;
+           const Bytes whole = valid_frame(b, sequence);
+           for (std::size_t cut = 2; cut < whole.size(); ++cut) {
+             answered_after(b, {whole.begin() + static_cast<std::ptrdiff_t>(cut), whole.end()});
+           }
+         });
   to.add("zeros-between", "Any number of zero bytes before a frame is ignored.", "FRAME-3",
          [](Board& b) {
            const Reply before = b.statistics();
@@ -125,7 +128,7 @@ void add_before(Chapter& to) {
            answered_after(b, Bytes(300, 0));
            const Reply after = b.statistics();
            equal("frames that were too short", after["too_short"] - before["too_short"], 0);
-           equal("frames with a wrong check", after["bad_check"] - before["bad_check"], 0);
+           equal("frames with a wrong CRC", after["bad_check"] - before["bad_check"], 0);
          });
   to.add("shared-zero", "The same zero byte can end a frame and begin the next frame.", "FRAME-3",
          [](Board& b) {
@@ -218,7 +221,8 @@ void add_counts(Chapter& to) {
            wire[wire.size() - 2] ^= 0x80;
            if (wire[wire.size() - 2] != 0) dropped_as(b, wire, "bad_check");
          });
-  to.add("check-of-body", "A frame whose CRC was computed before stuffing is dropped and counted.",
+  to.add("check-of-body",
+         "A frame whose CRC was computed from the unstuffed bytes is dropped and counted.",
          "FRAME-6", [](Board& b) {
            const Bytes body{b.home(), KZ_TYPE_heartbeat, b.new_sequence(), 0, 0};
            Bytes wire{0};
@@ -263,8 +267,8 @@ void add_counts(Chapter& to) {
     const Bytes fields = random_bytes(b, KZ_PAYLOAD_MAX, 0);
     b.refused_type(KZ_TYPE_identify, fields, KZ_REFUSED_LENGTH);
   });
-  to.add("too-long", "A frame with a body one byte too long is dropped and counted.", "FRAME-9",
-         [](Board& b) {
+  to.add("too-long", "A frame whose body is one byte longer than allowed is dropped and counted.",
+         "FRAME-9", [](Board& b) {
            Bytes body{b.home(), KZ_TYPE_identify, b.new_sequence()};
            append(body, random_bytes(b, KZ_PAYLOAD_MAX + 1, 0));
            dropped_as(b, frame_of_stuffed(stuff(body)), "too_long");
@@ -314,7 +318,7 @@ void add_counts(Chapter& to) {
       },
       kBench);
   to.add(
-      "idle", "An unfinished frame is dropped and counted if no byte arrives for 20 ms.",
+      "idle", "If no byte arrives for 20 ms, an unfinished frame is dropped and counted.",
       "FRAME-11",
       [](Board& b) {
         const Reply before = b.statistics();

@@ -51,8 +51,8 @@ void add_refusals(Chapter& to) {
         kNothing);
   }
   to.add("whole-limit",
-         "If one target of a message is outside its limits, the message has no effect.", "MOVE-6",
-         [](Board& b) {
+         "If one target of a message is outside its joint's limits, the message has no effect.",
+         "MOVE-6", [](Board& b) {
            b.enable(0x7);
            const Reply before = b.done("read_targets", Put().u32(7));
            b.refused("targets",
@@ -63,7 +63,8 @@ void add_refusals(Chapter& to) {
              equal("target", after.number("angle", j), before.number("angle", j));
            check(!b.state().flag(KZ_STATUS_MOVING), "a refused message started a ramp");
          });
-  to.add("whole-disabled", "If one joint of a message is off, the message has no effect.", "MOVE-5",
+  to.add("whole-disabled",
+         "If a message has a target for a joint that is off, the message has no effect.", "MOVE-5",
          [](Board& b) {
            b.enable(0x5);
            const Reply before = b.done("read_targets", Put().u32(5));
@@ -110,7 +111,9 @@ void add_motion(Chapter& to) {
          });
   to.add(
       "outside-moves-inward",
-      "A joint outside its soft limits starts at its present angle and moves inward.", "MOVE-10",
+      "If a joint outside its soft limits gets a target, the ramp starts at the joint's present "
+      "angle and leads inward.",
+      "MOVE-10",
       [](Board& b) {
         b.done("limits", Put().u32(1).u16(60).s16(-3000).s16(3000));
         b.bench().place_joint(0, 0.45);
@@ -129,12 +132,11 @@ void add_motion(Chapter& to) {
       },
       kMotion | kBench);
   for (const bool upper : {false, true}) {
-    const char* side = upper ? "upper" : "lower";
+    const std::string side = upper ? "upper" : "lower";
     const int sign = upper ? 1 : -1;
     to.add(
-        std::string("no-drive-beyond-") + side,
-        std::string("The position loop does not drive a joint farther beyond its ") + side +
-            " soft limit.",
+        "no-drive-beyond-" + side,
+        "The position loop does not drive a joint farther beyond its " + side + " soft limit.",
         "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
@@ -150,9 +152,8 @@ void add_motion(Chapter& to) {
         },
         kMotion | kBench);
     to.add(
-        std::string("at-limit-flag-") + side,
-        std::string("AT_LIMIT is reported for a joint beyond its ") + side + " soft limit.",
-        "MOVE-11",
+        "at-limit-flag-" + side,
+        "AT_LIMIT is reported for a joint beyond its " + side + " soft limit.", "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
           b.bench().place_joint(0, sign * 0.22);
@@ -164,9 +165,10 @@ void add_motion(Chapter& to) {
         },
         kMotion | kBench);
     to.add(
-        std::string("no-drive-back-out-") + side,
-        std::string("A joint that was switched on beyond its ") + side +
-            " soft limit is not driven outward again.",
+        "no-drive-back-out-" + side,
+        "If a joint is switched on beyond its " + side +
+            " soft limit and then turned inward by hand, the motor does not drive the joint "
+            "outward.",
         "MOVE-11",
         [sign](Board& b) {
           b.done("limits", Put().u32(1).u16(120).s16(-2000).s16(2000));
@@ -182,9 +184,8 @@ void add_motion(Chapter& to) {
         },
         kMotion | kBench);
     to.add(
-        std::string("no-overshoot-") + side,
-        std::string("With the highest gains and ramp limit, a joint does not pass its ") + side +
-            " soft limit.",
+        "no-overshoot-" + side,
+        "With the highest gains and ramp limit, a joint does not pass its " + side + " soft limit.",
         "MOVE-11",
         [sign](Board& b) {
           b.done("gains", Put().u32(1).u16(KZ_KP_MAX).u16(0).u16(0).u8(KZ_FRICTION_MAX));

@@ -204,8 +204,8 @@ void add_ramps(Chapter& to) {
            for (const auto& [tick, command] : commands_of(b, 0, 500).samples) {
              const double share = std::min(1.0, static_cast<double>(tick - start) / 400);
              const long wanted = from + std::lround(share * static_cast<double>(goal - from));
-             near("command " + std::to_string(tick - start) + " ms after its start", command,
-                  wanted, 25);
+             near("command " + std::to_string(tick - start) + " ms after the start of the ramp",
+                  command, wanted, 25);
            }
          });
   to.add("ramp-limit", "If the requested time is too short, the ramp limit applies.", "MOVE-4",
@@ -235,7 +235,7 @@ void add_ramps(Chapter& to) {
            for (std::size_t i = 1; i < all.samples.size(); ++i) {
              const auto [tick, command] = all.samples[i];
              const auto [before_tick, before] = all.samples[i - 1];
-             within("command step in " + std::to_string(tick - before_tick) + " ms",
+             within("change of the command in " + std::to_string(tick - before_tick) + " ms",
                     std::labs(command - before), 0, 10 * (tick - before_tick) + 10);
            }
          });

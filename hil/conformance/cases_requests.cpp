@@ -105,7 +105,8 @@ void add_answers(Chapter& to) {
 }
 
 void add_repetitions(Chapter& to) {
-  to.add("repeated-answered", "A repetition is answered again, with a fresh tick.", "REQ-7",
+  to.add("repeated-answered",
+         "If a request is repeated, the board sends a new reply with a new tick.", "REQ-7",
          [](Board& b) {
            const Repeated state(b, "state");
            const Reply first = state.again();
@@ -116,7 +117,9 @@ void add_repetitions(Chapter& to) {
          });
   for (int others = 0; others <= 3; ++others) {
     to.add(("repeated-after-" + std::to_string(others)).c_str(),
-           "A repetition is recognized after " + std::to_string(others) + " other requests.",
+           "With " + std::to_string(others) +
+               " other requests between a request and its repetition, the board recognizes the "
+               "repetition.",
            "REQ-7", [others](Board& b) {
              const Repeated first(b, "limits", Put().u32(1).u16(kSettingRamp).s16(-500).s16(500));
              for (int n = 0; n < others; ++n)
@@ -218,30 +221,30 @@ void add_queue(Chapter& to) {
     check(busy, "the third request was not refused with BUSY");
     b.silence(20);
   });
-  to.add("last-of-many-busy",
-         "The queue is full and several more requests arrive: only the last of these requests gets "
-         "a refusal.",
-         "REQ-10", [](Board& b) {
-           std::uint8_t number[4];
-           Bytes wire;
-           const char* const names[] = {"state", "health", "identify", "self_test"};
-           for (int n = 0; n < 4; ++n) {
-             number[n] = b.new_sequence();
-             append(wire, b.request_bytes(names[n], {}, number[n]));
-           }
-           b.write(wire);
-           b.take("state", number[0]);
-           bool last = false;
-           int answers = 0;
-           while (const auto frame = b.next(30)) {
-             ++answers;
-             check(frame->sequence != number[2],
-                   "a request was answered although a later request had replaced it");
-             last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
-           }
-           equal("replies after the reply to `state`", answers, 2);
-           check(last, "the last request was not refused");
-         });
+  to.add(
+      "last-of-many-busy",
+      "If two more requests arrive while two requests are pending, the fourth request is refused, "
+      "and the third request gets no reply.",
+      "REQ-10", [](Board& b) {
+        std::uint8_t number[4];
+        Bytes wire;
+        const char* const names[] = {"state", "health", "identify", "self_test"};
+        for (int n = 0; n < 4; ++n) {
+          number[n] = b.new_sequence();
+          append(wire, b.request_bytes(names[n], {}, number[n]));
+        }
+        b.write(wire);
+        b.take("state", number[0]);
+        bool last = false;
+        int answers = 0;
+        while (const auto frame = b.next(30)) {
+          ++answers;
+          check(frame->sequence != number[2], "the third of four requests was answered");
+          last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
+        }
+        equal("replies after the reply to `state`", answers, 2);
+        check(last, "the last request was not refused");
+      });
   to.add("busy-not-done", "A request refused with BUSY is not executed.", "REQ-10", [](Board& b) {
     Bytes wire = b.request_bytes("state");
     append(wire, b.request_bytes("health"));
@@ -287,20 +290,22 @@ void add_queue(Chapter& to) {
 // Each repetition here is known: at most three other requests are between.
 void add_switching_off(Chapter& to) {
   for (int others = 2; others <= 3; ++others) {
-    to.add(("stop-repeated-after-" + std::to_string(others)).c_str(),
-           "A repeated `stop` is executed after " + std::to_string(others) + " other requests.",
-           "REQ-12",
-           [others](Board& b) {
-             const Repeated stop(b, "stop");
-             b.done("clear");
-             b.enable(0x3);
-             if (others == 3) b.done("heartbeat", Put().u8(0).u8(0));
-             const Reply reply = stop.again();
-             check(!reply.flag(KZ_STATUS_ENABLED), "the reply reports that a motor is on");
-             equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_STOP);
-             b.expect_off();
-           },
-           kMotion);
+    to.add(
+        ("stop-repeated-after-" + std::to_string(others)).c_str(),
+        "With " + std::to_string(others) +
+            " other requests between `stop` and its repetition, the board executes the repetition.",
+        "REQ-12",
+        [others](Board& b) {
+          const Repeated stop(b, "stop");
+          b.done("clear");
+          b.enable(0x3);
+          if (others == 3) b.done("heartbeat", Put().u8(0).u8(0));
+          const Reply reply = stop.again();
+          check(!reply.flag(KZ_STATUS_ENABLED), "the reply reports that a motor is on");
+          equal("reason in the reply", reply.reason(), KZ_SHUTDOWN_STOP);
+          b.expect_off();
+        },
+        kMotion);
   }
   to.add(
       "stop-repeated-all-boards", "A repeated `stop` to all boards is executed.", "REQ-12",
@@ -370,8 +375,8 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "If the host repeats a `raw_drive`, the raw drive of another motor ends, and "
-                     "no raw drive starts.",
+                   : "A repeated `raw_drive` for motor B ends a raw drive of motor A. "
+                     "Motor B does not start.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));

@@ -173,7 +173,8 @@ void add_sensors(Chapter& to) {
   }
   to.add("pot-short", "A potentiometer disconnected for 10 ms causes no shutdown.", "SAFE-9",
          [](Board& b) { no_shut_down(b, 0, 0, 10); });
-  to.add("pot-no-power", "If a potentiometer is disconnected, its motor loses power immediately.",
+  to.add("pot-no-power",
+         "If a joint's potentiometer is disconnected, the joint's motor loses power immediately.",
          "SAFE-9", [](Board& b) {
            b.bench().block_joint(0, true);
            b.enable(1);

@@ -62,19 +62,22 @@ void add_settings_cases(Cases& all) {
            equal("friction", set["friction"], 17);
            equal("ramp", set["ramp"], KZ_RAMP_DEFAULT);
          });
-  to.add("gains-extremes", "Gains at their bounds are read back.", "SET-1", [](Board& b) {
-    b.done("gains",
-           Put().u32(4).u16(KZ_KP_MAX).u16(KZ_KD_MAX).u16(KZ_DEAD_BAND_MAX).u8(KZ_FRICTION_MAX));
-    const Reply set = settings(b, 2);
-    rounded("kp", set["kp"], KZ_KP_MAX);
-    rounded("kd", set["kd"], KZ_KD_MAX);
-    equal("dead band", set["dead_band"], KZ_DEAD_BAND_MAX);
-    equal("friction", set["friction"], KZ_FRICTION_MAX);
-    b.done("gains", Put().u32(4).u16(0).u16(0).u16(0).u8(0));
-    const Reply none = settings(b, 2);
-    equal("kp", none["kp"], 0);
-    equal("kd", none["kd"], 0);
-  });
+  to.add(
+      "gains-extremes", "The lowest and the highest gains can be set and read back.", "SET-1",
+      [](Board& b) {
+        b.done(
+            "gains",
+            Put().u32(4).u16(KZ_KP_MAX).u16(KZ_KD_MAX).u16(KZ_DEAD_BAND_MAX).u8(KZ_FRICTION_MAX));
+        const Reply set = settings(b, 2);
+        rounded("kp", set["kp"], KZ_KP_MAX);
+        rounded("kd", set["kd"], KZ_KD_MAX);
+        equal("dead band", set["dead_band"], KZ_DEAD_BAND_MAX);
+        equal("friction", set["friction"], KZ_FRICTION_MAX);
+        b.done("gains", Put().u32(4).u16(0).u16(0).u16(0).u8(0));
+        const Reply none = settings(b, 2);
+        equal("kp", none["kp"], 0);
+        equal("kd", none["kd"], 0);
+      });
   to.add("gains-mask", "Joints outside the mask keep their gains.", "SET-1", [](Board& b) {
     b.done("gains", Put().u32(0x20001).u16(1000).u16(200).u16(5).u8(3));
     for (const int joint : {0, 17}) rounded("kp", settings(b, joint)["kp"], 1000);

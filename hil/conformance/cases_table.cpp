@@ -79,14 +79,16 @@ void add_bounds(Cases& to, const Message& request, int index) {
   const std::string name = request.name + "." + field.name;
   const auto outside = [&](const char* side, long value) {
     if (value < field.lowest() || value > field.highest()) return;
-    to.push_back(
-        {"range." + name + "." + side,
-         "`" + name + "` " + side + " its bounds is refused with RANGE and the field's number.",
-         {"REQ-5"},
-         kNothing,
-         [&request, index, value](Board& b) {
-           b.refused(request.name, legal_fields(request, index, value), KZ_REFUSED_RANGE, index);
-         }});
+    to.push_back({"range." + name + "." + side,
+                  "If `" + name + "` is " + side +
+                      " its range, the request is refused with RANGE, and `detail` is the number "
+                      "of the field.",
+                  {"REQ-5"},
+                  kNothing,
+                  [&request, index, value](Board& b) {
+                    b.refused(request.name, legal_fields(request, index, value), KZ_REFUSED_RANGE,
+                              index);
+                  }});
   };
   outside("below", field.low - 1);
   outside("above", field.high + 1);
@@ -99,7 +101,8 @@ void add_bounds(Cases& to, const Message& request, int index) {
   if (request.code == KZ_TYPE_joints) high = (1 << KZ_JOINTS_PER_REPLY) - 1;
   to.push_back(
       {"range." + name + ".inside",
-       "`" + name + "` with its lowest or highest value is not refused with RANGE.",
+       "If `" + name +
+           "` is at the lower or upper end of its range, the request is not refused with RANGE.",
        {"REQ-5"},
        moves ? kMotion : kNothing,
        [&request, index, low = field.low, high](Board& b) {

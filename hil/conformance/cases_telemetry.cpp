@@ -40,7 +40,7 @@ void add_telemetry_cases(Cases& all) {
              }
            });
   }
-  to.add("contents", "Telemetry has the same values as replies.", "TEL-1", [](Board& b) {
+  to.add("contents", "Telemetry and replies report the same values.", "TEL-1", [](Board& b) {
     b.done("telemetry", Put().u16(50).u8(15));
     const auto frames = b.telemetry(220, true);
     b.done("telemetry", Put().u16(0).u8(0));
@@ -121,7 +121,8 @@ void add_telemetry_cases(Cases& all) {
            });
   }
   to.add("dropped",
-         "Frames beyond the line's capacity are dropped and counted. Replies are still sent.",
+         "If the line cannot carry all frames, the board drops and counts telemetry frames, but "
+         "drops no replies.",
          "TEL-3", [](Board& b) {
            const long before = b.statistics()["telemetry_dropped"];
            b.done("telemetry", Put().u16(5).u8(15));  // 190 bytes every 5 ms: 57 go

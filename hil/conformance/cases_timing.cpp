@@ -75,10 +75,11 @@ void add_timing_cases(Cases& all) {
         check(b.bench().drive(0) > 0, "4 ms after the request `targets`, the motor is still off");
       },
       kMotion | kBench);
-  to.add("after-reset", "A board replies 0.2 s after a reset.", "TIME-4",
-         [](Board& b) { b.reset_by_command(); });
+  to.add("after-reset", "Within 0.2 s after a reset, the board begins to answer requests.",
+         "TIME-4", [](Board& b) { b.reset_by_command(); });
   to.add(
-      "after-power-on", "A board replies 0.2 s after power-on.", "TIME-4",
+      "after-power-on", "Within 0.2 s after power-on, the board begins to answer requests.",
+      "TIME-4",
       [](Board& b) {
         b.bench().set_power(false);
         b.wait(100);

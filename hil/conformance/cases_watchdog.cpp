@@ -45,18 +45,22 @@ void feeds(Board& b, const std::function<Bytes()>& talk) {
 }
 
 void add_limits(Chapter& to) {
-  to.add("default", "The link watchdog's default limit switches the motors off.", "SAFE-5",
-         [](Board& b) {
-           const int limit = static_cast<int>(b.done("identify")["watchdog_10ms"]) * 10;
-           within("limit, ms", limit, 10, 99);  // within 100 ms of the last good frame
-           b.enable(1);
-           lose_link(b, limit);
-           b.expect_off();
-         });
+  to.add(
+      "default",
+      "If no request arrives within the default limit, the link watchdog switches the motors off.",
+      "SAFE-5", [](Board& b) {
+        const int limit = static_cast<int>(b.done("identify")["watchdog_10ms"]) * 10;
+        within("limit, ms", limit, 10, 99);  // within 100 ms of the last good frame
+        b.enable(1);
+        lose_link(b, limit);
+        b.expect_off();
+      });
   for (const int limit : {2, 10, 50, 100}) {
     to.add(
         "limit-" + std::to_string(limit * 10),
-        "A limit of " + std::to_string(limit * 10) + " ms, set by `heartbeat`, applies.", "SAFE-5",
+        "If `heartbeat` sets the link watchdog's limit to " + std::to_string(limit * 10) +
+            " ms, the watchdog uses this limit.",
+        "SAFE-5",
         [limit](Board& b) {
           b.watchdog(limit);
           b.enable(1);
@@ -65,7 +69,8 @@ void add_limits(Chapter& to) {
         limit < 10 ? kMotion | kExact : kMotion);
   }
   to.add(
-      "not-before", "The motors stay on if the silence is shorter than the limit.", "SAFE-5",
+      "not-before", "If the pause between requests is shorter than the limit, the motors stay on.",
+      "SAFE-5",
       [](Board& b) {
         b.enable(1);
         for (int n = 0; n < 5; ++n) {
@@ -215,8 +220,8 @@ void add_reactions(Chapter& to) {
            b.expect_off();
          });
   to.add("hold-clear",
-         "HOLD: `clear` switches the motors off. A later `enable` sets each target to the present "
-         "angle.",
+         "HOLD: `clear` switches the motors off. After `clear`, `enable` sets a joint's target to "
+         "the joint's present angle.",
          "SAFE-7", [](Board& b) {
            b.watchdog(0, KZ_REACTION_HOLD);
            b.enable(1);

@@ -17,7 +17,8 @@ struct Field {
   std::string name;
   int size = 0;  // bytes per number
   bool is_signed = false;
-  int count = 1;  // how many numbers the field contains; a masked field can contain fewer
+  // How many numbers the field contains. If `masked` is true, the field contains at most `count` numbers.
+  int count = 1;
   bool masked = false;
   bool bounded = false;
   long low = 0, high = 0;

@@ -75,8 +75,9 @@ CaseResult run_once(const Case& one, Board& board, unsigned allowed) {
 
 // Of a board that has lost its power or its cable, every later case would fail.
 Error stopped_answering(const host::Link& link, const Case& one) {
-  return {Fault::environment, "the board on " + link.name() + " stopped answering during case " +
-                                  one.id + ", at any address; check its power and cable"};
+  return {Fault::environment,
+          "the board on " + link.name() + " stopped answering during case " + one.id +
+              " and no longer answers at any address; check its power and cable"};
 }
 
 CaseResult run_one(const Case& one, Board& board, const host::Link& link,

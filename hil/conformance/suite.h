@@ -19,7 +19,7 @@ enum Need : unsigned {
   kMotion = 1,  // moves joints or motors
   kFlash = 2,   // writes flash, which wears out
   kBench = 4,   // requires a Bench (bench.h)
-  kExact = 8,   // requires a clock without slack
+  kExact = 8,   // requires the board's own clock, which only a virtual board has
   // Requires a board at address 1. If RunOptions::address is 1, run_suite() sets this bit in `allowed`.
   kDefaultAddress = 16,
   // Requires a link that preserves pauses between bytes (RunOptions::whole_frames).
@@ -49,7 +49,8 @@ struct CaseResult {
   std::string message;                  // reason of a failure, skip or undecided verdict
   double seconds = 0;                   // duration on the board's clock
   std::vector<std::string> transcript;  // bytes of a failed or undecided case
-  // Number of runs of the case. A run is repeated only if it failed while this machine was late.
+  // Number of runs of the case. A failed run is repeated if a delay of this machine may have caused the
+  // failure.
   int runs = 1;
 };
 
@@ -61,8 +62,9 @@ struct RunOptions {
   // Whether the link carries whole frames only, like a CAN bus. If false, the cases that need kPauses also
   // run.
   bool whole_frames = false;
-  // Lateness of link and clock, if link and clock are real; may be null. A case that fails while this
-  // machine is late is repeated. The case is undecided if the machine was late in each run.
+  // Measures the delays of this machine; null for a virtual board. If such a delay may have caused the
+  // failure of a case, the case is repeated. If all runs fail and this machine was late in each run, the case
+  // is undecided.
   host::LatenessMeter* lateness = nullptr;
   std::function<void(const CaseResult&, std::size_t number, std::size_t of)> progress;
 };
@@ -71,9 +73,9 @@ struct RunReport {
   // Description of the board, such as "Kaz servo board, protocol 3, firmware 0.2, build 1a2b3c4d".
   std::string board;
   std::vector<CaseResult> results;
-  // Chosen cases that an interrupted run did not reach.
+  // Chosen cases that had not ended when the run was interrupted; empty if the run was not interrupted.
   std::vector<const Case*> not_run;
-  // The run was interrupted; `results` has the cases before the interrupt.
+  // True if the run was interrupted. Then `results` contains the cases that had ended before the interrupt.
   bool interrupted = false;
   std::size_t chosen() const { return results.size() + not_run.size(); }
   int count(Verdict verdict) const;
@@ -84,8 +86,8 @@ struct RunReport {
 Result<std::vector<const Case*>> chosen(const std::string& filter);
 
 // Runs the chosen cases. Returns the errors of chosen(). Other errors (environment): the link is lost; the
-// board does not answer or stops answering. An interrupted link or clock ends the run, and the report of the
-// cases that have run is returned.
+// board does not answer or stops answering. If a call of `link` or `clock` is interrupted, the run ends,
+// and run_suite() returns the report.
 Result<RunReport> run_suite(host::Link& link, host::Clock& clock, Bench* bench, Time slack,
                             const RunOptions& options);
 

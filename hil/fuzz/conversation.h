@@ -29,14 +29,15 @@ class Conversation {
   void sent(std::span<const std::uint8_t> bytes);
   void received(std::span<const std::uint8_t> bytes);
 
-  // States that from now on bytes may be lost, changed or duplicated on the line. After this call, the bytes
-  // that reach the board are uncertain. So Conversation checks only the rules for single frames.
+  // Must be called before bytes are lost, changed or duplicated on the line. After this call, the bytes that
+  // reach the board are uncertain. So Conversation checks only the rules for single frames.
   void line_is_faulty() { faulty_ = true; }
-  // States that the board may have restarted. The frame that the board was sending may be cut off.
+  // Must be called when the board may have restarted. A restart can cut off the frame that the board is
+  // sending. Therefore one damaged frame is allowed for each call.
   void board_restarted() { restarts_ += 1; }
 
-  // Returns the number of replies to the request with this type and sequence number since that request was
-  // last sent.
+  // Returns how many replies have come since the newest transmission of a request. `type` and `sequence`
+  // identify the request.
   int replies_to(std::uint8_t type, std::uint8_t sequence) const;
   // Some requests can make the board silent for a while: a restart, a write to flash, and a change of the
   // address. Returns whether the host has sent such a request since the last call of take_deafening().
@@ -51,7 +52,8 @@ class Conversation {
 
  private:
   struct Transmission {
-    long long number = 0;    // number of the request in this conversation, counted over all boards
+    // 1 for the first request that the host sent, 2 for the second. Requests to other boards also count.
+    long long number = 0;
     std::uint32_t mask = 0;  // joint mask of `enable`
   };
   struct SentRequest {
@@ -70,7 +72,8 @@ class Conversation {
   std::uint8_t address_;
   kz_receiver to_board_{}, to_host_{};
   std::map<std::uint32_t, SentRequest> sent_;  // key: address, type, sequence number
-  long long switched_on_ = 0;  // number of the last request that could switch a motor on
+  // Transmission::number of the newest request that can switch a motor on.
+  long long switched_on_ = 0;
   bool telemetry_ = false, address_known_ = true, faulty_ = false, deafening_ = false;
   int restarts_ = 0;
   ConversationCounts counts_;

@@ -24,7 +24,7 @@ struct Event {
   Kind kind = Kind::wait;
   std::vector<std::uint8_t> bytes;  // bytes on the wire, for the kinds `send` and `query`
   int ms = 0;                       // duration of an event of the kind `wait`
-  // For an event of the kind `fault`. Fault::at is the time since the event.
+  // Only for an event of the kind `fault`: the fault that begins at this event. Fault::at is ignored.
   faults::Fault fault;
   std::string text;  // description, one line
 };

@@ -1,9 +1,9 @@
 // Generates cases from one seed, guided by the behavior that earlier cases caused.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A case with new features joins the corpus, and later cases are mutations and combinations of cases in the
-// corpus. If the compiler can measure coverage, prefer `./tools/dev fuzz`, which is guided by the coverage of
-// the code.
+// If a case causes a new kind of board behavior, the case joins the corpus. Most later cases are mutations
+// and combinations of cases in the corpus. If the compiler can measure coverage, prefer `./tools/dev fuzz`,
+// which is guided by the coverage of the code.
 #pragma once
 
 #include <functional>
@@ -40,11 +40,12 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// Returns a shorter case, of at least one byte, that also violates a rule. Runs at most `max_runs` cases.
+// Shortens a case that violates a rule. The shortened case has at least one byte and violates the same rule
+// or another rule. Runs at most `max_runs` cases.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
-// Reads a file of the corpus or a reproducer; the content of the file is the genome. Error messages contain
-// the path and the reason.
+// Reads a genome from a file. The content of the file is the genome. Error messages contain the path and the
+// reason.
 Result<Genome> load_genome(const std::string& path);
 // Writes a genome to the file `name`. If the file exists, a number is appended to the name.
 Result<void> save_genome(const std::string& name, const Genome& genome);

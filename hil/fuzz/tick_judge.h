@@ -1,9 +1,9 @@
-// Judges each tick of the servo code: rules that hold whatever the host sends.
+// Checks rules that each tick of the servo code must obey, no matter which bytes the host sends.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The judge reads the state of shared/servo and the pin outputs of each tick. Therefore the engine must run
-// shared/servo in the process of the judge. The judge uses joints.def and the protocol's frames, but no code
-// of shared/servo.
+// The judge reads the state of shared/servo and the pin outputs of each tick. Therefore shared/servo must run
+// in the same process as the judge. The judge uses joints.def and the protocol's frames, but no code of
+// shared/servo.
 #pragma once
 
 #include <array>

@@ -4,9 +4,9 @@
 
 namespace kaz::hil {
 
-// The verdict is `undecided` if each run failed and, during each run, this machine was late
-// (host/link/lateness.h) or the line was disturbed. A measurement of a warm motor is also undecided if the
-// value is too close to a limit.
+// The verdict is `undecided` if all runs failed and each run was disturbed. A run is disturbed if this
+// machine was late (host/link/lateness.h) or if there were errors on the line. A measurement of a warm motor
+// is also `undecided` if the same measurement of a cold motor could lead to another verdict.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // Returns "passed", "failed", "left out" or "undecided".

@@ -51,7 +51,9 @@ struct ServoParamInfo {
   std::string_view name, unit;
   double ServoParams::*at;
   double low, high;  // bounds of the parameter in a fit
-  double scale;      // a change of this size has a clear effect; unit of the changes in a fit
+  // A change of the parameter by `scale` clearly changes the predicted motion. A fit measures all changes of
+  // the parameter in units of `scale`.
+  double scale;
 };
 
 // Returns the parameters of model 1 to 6, in the order in which a fit uses them.

@@ -137,16 +137,18 @@ class Recorder {
     if (servo_.model == nullptr) return wrong(Fault::usage, "is a model without a register table");
     const auto law = law_of(*servo_.model);
     if (!law)
-      return wrong(Fault::usage,
-                   "is an " + std::string(servo_.model->name) +
-                       ": the duty of its control law is not published, and a log needs it");
+      return wrong(
+          Fault::usage,
+          "is an " + std::string(servo_.model->name) +
+              ": a log needs the duty, but the control law of this model is not published");
     law_ = *law;
     record_.servo = std::string(servo_.model->name) + ", id " + std::to_string(servo_.id);
     if (KAZ_TRY(read("torque_enable")) != 0)
       return wrong(
           Fault::usage,
-          "has its torque on: end the program that drives it. If a run of kaz bench pendulum was "
-          "killed, switch the servo's power off and on. This also restores the servo's gains");
+          "has its torque on: end the program that drives it. If `kaz bench pendulum` was killed, "
+          "switch the servo's power off and on: the restart switches the torque off and "
+          "restores the gains");
     if (KAZ_TRY(read(feetech() ? "mode" : "operating_mode")) != driver_->position_mode())
       return wrong(Fault::usage, "is not in position mode: switch it to that mode");
     if (feetech() && KAZ_TRY(read("lock")) == 0)

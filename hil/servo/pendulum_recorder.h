@@ -51,8 +51,10 @@ struct PendulumRecord {
 // - environment: the servo reports an error or does not answer, or a limit is exceeded.
 // - usage: the control law of the servo's model is unknown, the torque is on, or the swing exceeds the
 //   servo's range.
-// When this function returns, also after an error or an interrupt, the torque is off and the registers are
-// restored. If switching off or restoring fails, the error message states this failure.
+// If the torque is on at the start, record_pendulum() leaves the servo unchanged. After a recording,
+// record_pendulum() switches the torque off and restores the registers, even if the recording ends with an
+// error or an interrupt. If the torque cannot be switched off or a register cannot be restored, the error
+// message says so.
 Result<PendulumRecord> record_pendulum(host::Link& link, host::Clock& clock,
                                        const PendulumOptions& options);
 

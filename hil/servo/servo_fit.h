@@ -29,9 +29,9 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // Uncertainty of `value`. Suppose that the parameter changes by this uncertainty, and that all other
-  // parameters are fitted again. The squared error is then 6 % larger. Infinite if the uncertainty is at
-  // least as large as the parameter's range.
+  // Uncertainty of `value`. If the parameter changes by this uncertainty and all other parameters are fitted
+  // again, the squared error is 6 % larger than with `value`. If the uncertainty is not smaller than the
+  // parameter's range, `determined_within` is infinity.
   double determined_within = 0;
   // True if the uncertainty is less than half of `value`. For a parameter that can be negative, true if the
   // uncertainty is less than half of the parameter's range.

@@ -14,7 +14,7 @@
 // - `mass_kg`: mass at the end of the arm.
 // - `length_m`: distance from the shaft to the mass.
 // - `arm_kg`: mass of the arm, which is a uniform rod of length `length_m`; default 0.
-// - `gain_per_rad`: gain of the servo's control law, in duty per rad of the distance from position to goal.
+// - `gain_per_rad`: gain of the servo's control law, 1/rad. The duty is this gain times (goal - position).
 // - `most_duty`: maximum duty; default 1.
 // - `position_rad`: angle of the arm; 0 when the arm hangs down.
 // - `volts`: supply voltage.
@@ -39,14 +39,14 @@ struct ServoLog {
   double mass_kg = 0, length_m = 0, arm_kg = 0;
   double gain_per_rad = 0, most_duty = 1;
   bool has_current = false;
-  std::vector<ServoSample> samples;  // at least 2, with increasing time
+  std::vector<ServoSample> samples;  // at least two samples, sorted by time
 
   double load_kgm2() const;   // inertia of mass and arm about the shaft
   double gravity_nm() const;  // torque of the weight of mass and arm when the arm is horizontal
 };
 
-// Parses a log. Errors (usage) name the file and the line. Limits: 1 to 600 s in total, steps of at most 0.5
-// s, 200,000 samples.
+// Parses a log. Errors (usage) name the file and the line. Limits: The log lasts 1 to 600 s. Successive
+// samples are at most 0.5 s apart. The log has at most 200,000 samples.
 Result<ServoLog> parse_servo_log(const std::string& text, const std::string& name);
 std::string servo_log_text(const ServoLog& log);
 

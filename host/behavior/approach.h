@@ -7,8 +7,8 @@
 namespace kaz::behavior {
 
 // Resets the ball track and scans with the head. After each complete scan without a ball, turns the body by
-// 90 degrees, up to `turns` times. Returns true once the ball was detected on the floor in three
-// consecutive images.
+// 90 degrees, up to `turns` times. Returns true as soon as the ball has been detected on the floor in
+// three consecutive images.
 Result<bool> scan_for_ball(BodyControl& body, int turns, bool left_first);
 
 struct Approached {
@@ -20,8 +20,9 @@ struct Approached {
 // Precondition: body.ball().known().
 Result<Approached> approach(BodyControl& body);
 
-// Returns the hand that can pick up a ball at this position (same frame as Approached::ball), with some
-// tolerance in position. Returns nothing if neither hand can reach the ball.
+// Returns the hand that can pick up the ball. `ball` has the axes and the origin of Approached::ball. The
+// hand can pick up the ball even if the position `ball` is wrong by up to 10 mm. Returns nothing if neither
+// hand can reach the ball.
 std::optional<host::Side> hand_for(const Eigen::Vector2d& ball);
 
 }  // namespace kaz::behavior

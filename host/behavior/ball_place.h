@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The ball's center lies in a plane one radius above the floor. The viewing ray through the ball's center
-// intersects this plane at the ball's position. This method is far more accurate than the distance from the
-// ball's apparent size, which only serves as a plausibility check. The sole of the supporting leg is flat on
-// the floor. So the joint angles of this leg give the camera pose over the floor (host/robot/kinematics.h).
-// This pose includes the sway of walking. Units: m, rad.
+// intersects this plane at the ball's position. The intersection is far more accurate than a position
+// computed from the ball's apparent size. The apparent size only serves as a plausibility check. The sole of
+// the supporting leg is flat on the floor. So the joint angles of this leg give the camera pose over the
+// floor (host/robot/kinematics.h). This pose includes the sway of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,8 @@ struct FloorPoint {
 };
 // Computes the position of the observed ball. `radius`: radius of the ball, m. Returns nothing if there is no
 // detection, if the posture at the exposure is unknown, or if the ray descends by less than 8 degrees. Also
-// returns nothing if the apparent size implies another distance, for example because the ball is in a hand.
+// returns nothing if the ball's apparent size contradicts the computed position, for example because the ball
+// is in a hand.
 std::optional<FloorPoint> on_floor(const vision::BallObservation& seen, double radius);
 
 // Returns the head angles that point the left camera at `from_middle`, a point in m relative to the midpoint
@@ -47,7 +48,7 @@ class BallPlace {
   Time last_seen() const { return known() ? track_.latest() : Time{}; }
   // Predicts the position of the ball at the time `t`, and returns this position relative to the robot. The
   // origin is below the hips. `robot`: place of the robot in the odometry frame. The ball is assumed to roll
-  // on for 0.3 s after the last observation. Precondition: known().
+  // for 0.3 s after the newest observation, and then to rest. Precondition: known().
   Eigen::Vector2d from_hips(Time t, const motion::Place& robot) const;
   // Returns the predicted position of the ball in the odometry frame. Precondition: known().
   Eigen::Vector2d at(Time t) const;

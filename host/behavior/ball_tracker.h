@@ -1,10 +1,10 @@
 // Predicts the head angles that center the ball in the left camera.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each observation is transformed to the trunk frame with the head angles at the exposure, which are part of
-// the frame information. So latency and head motion cause no error for a resting ball. vision::BallTrack
-// estimates the ball's velocity and predicts the ball's position. The trunk is assumed to be at rest. The
-// position of the floor is unknown, so the predicted motion is a straight line.
+// Each observation contains the head angles at the exposure of the image. With these angles, the observation
+// is transformed to the coordinates of the trunk. So latency and head motion cause no error for a resting
+// ball. vision::BallTrack estimates the ball's velocity and predicts the ball's position. The trunk is
+// assumed to be at rest. The position of the floor is unknown, so the predicted motion is a straight line.
 #pragma once
 
 #include "host/robot/kinematics.h"
@@ -14,11 +14,12 @@ namespace kaz::behavior {
 
 class BallTracker {
  public:
-  // Longest extrapolation after the last observation. After this time, the ball is assumed to rest.
+  // The ball's motion is predicted for at most kMaxPrediction after the newest observation. Later, the ball
+  // is assumed to rest.
   static constexpr Time kMaxPrediction = std::chrono::milliseconds(200);
 
-  // Returns true if the observation was used, which requires that the posture at the exposure is known and
-  // that the track's gate accepts the observation.
+  // Returns true if the observation was used. An observation is used if the observation contains a ball,
+  // the posture at the exposure is known, and the track's gate accepts the observation.
   bool observe(const vision::BallObservation& observation);
   void forget() { track_.forget(); }
 

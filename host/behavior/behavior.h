@@ -25,7 +25,7 @@
 
 namespace kaz::behavior {
 
-// Delivers requests that come from outside to a running behavior.
+// Source of the requests that a behavior receives while the behavior runs.
 class Requests {
  public:
   virtual ~Requests() = default;

@@ -40,8 +40,8 @@ class BodyControl {
   Result<void> stay(Time duration);
   // Runs step() until Motion is idle, then stands still for the time `after`.
   Result<void> finish(Time after = std::chrono::milliseconds(300));
-  // Resets odometry, heading and ball track after a sequence of poses. Stands for 2.6 s, until the gyro is
-  // zeroed.
+  // Resets odometry, heading and ball track after a sequence of poses. Then keeps the robot standing for
+  // 2.6 s. During this time, the gyro is zeroed.
   Result<void> restart();
 
   motion::Motion& motion() { return motion_; }
@@ -58,8 +58,8 @@ class BodyControl {
   Time newest_exposure() const { return newest_exposure_; }
   // True if no image came for 0.4 s.
   bool blind() const { return now() - newest_exposure_ > kFrozen; }
-  // Number of consecutive images, up to the newest image, in which ball() accepted an observation. An image
-  // without an accepted observation resets this number to 0.
+  // Counts the images in which ball() accepted an observation. Each image without an accepted observation
+  // resets the count to 0.
   int consecutive() const { return consecutive_; }
   BallPlace& ball() { return ball_; }
   // The newest observation that ball() used.
@@ -68,7 +68,7 @@ class BodyControl {
   const PlaceHistory& places() const { return places_; }
   // Position of the ball, m; x ahead, y left, origin below the hips. Precondition: ball().known().
   Eigen::Vector2d ball_now() const { return ball_.from_hips(now(), motion_.place()); }
-  // Returns whether the last observation of the ball is older than the newest image by more than `time`.
+  // Returns true if the time from the newest observation of the ball to the newest image is above `time`.
   bool unseen_for(Time time) const { return newest_exposure_ - ball_.last_seen() > time; }
 
  private:
@@ -94,7 +94,8 @@ class BodyControl {
   int consecutive_ = 0;
   Time newest_exposure_{};
   Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
-  // Lateral force and time of strong tilt, to detect a fall in step(pose).
+  // For the detection of a fall in step(pose). `left_g_`: filtered lateral acceleration, in units of gravity.
+  // `tipped_s_`: duration of the present strong tilt, s; 0 if the tilt is not strong.
   double left_g_ = 0, tipped_s_ = 0;
 };
 

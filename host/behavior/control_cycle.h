@@ -15,7 +15,8 @@ namespace kaz::behavior {
 class ControlCycle {
  public:
   static constexpr Time kPeriod = std::chrono::milliseconds(10);
-  // Duration of the board's ramp to a target. The ramp exceeds the period, so that the motion is continuous.
+  // Duration of the board's ramp to a target. The ramp lasts longer than one control cycle (kPeriod), so that
+  // a joint is still moving when the next target arrives.
   static constexpr Time kRamp = std::chrono::milliseconds(12);
   // Delay from a behavior's decision to the start of the board's ramp. The delay is the sum of three parts:
   // - 1.65 ms: transmission of 19 bytes.
@@ -39,7 +40,8 @@ class ControlCycle {
     std::optional<host::Resumption> resumed;
   };
   // Sends the targets, waits for the start of the next cycle, and returns the newest state and
-  // observations. If `targets` is empty, only reads the state. `ramp`: time to reach the targets.
+  // observations. If `targets` is empty, next() sends no targets, but still waits for the next cycle and
+  // returns the newest state and observations. `ramp`: time to reach the targets.
   //
   // next() fails if robot, clock or camera fail, or if the board has switched the motors off. Also fails if
   // no image came for Context::camera_patience.
@@ -52,14 +54,14 @@ class ControlCycle {
 };
 
 // Fails (usage) if the robot lacks one of `joints`; the message lists the missing joints. On a robot other
-// than Kaz, targets for these joint numbers would move other joints. So behaviors that name joints of Kaz
-// call this function before hold_still().
+// than Kaz, a joint number of Kaz can belong to a different joint. To avoid wrong motions, behaviors that
+// name joints of Kaz call require_joints() before hold_still().
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 
 // Sets the gains for walking and enables all motors at their present angles. The position gain is 20 per
 // radian, but 12 for the neck and 0.8 for the hands. The damping gain is 0.15 s per radian. Every behavior
-// calls this function first.
+// calls hold_still() before it sends targets.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -20,7 +20,7 @@ bool is_balance(std::string_view text) {
 
 constexpr Option kOptions[] = {
     {"distance", "0.5", "", -2, 5,
-     "distance in m, at least 0.05 forward or backward; a negative value means backward"},
+     "distance in m; a negative value means backward; the absolute value must be at least 0.05"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had no gyro"},
     {"balance", "none", "none|learned|FILE", 0, 0,
      "learned: a small neural network adjusts the gait to withstand pushes (needs --imu)", false,
@@ -38,9 +38,10 @@ Result<std::shared_ptr<const motion::BalancePolicy>> balance_policy(const std::s
 
 Result<Outcome> run(Context& context) {
   if (std::abs(context.options.number("distance")) < kMinDistance - 1e-9)
-    return fail(Fault::usage,
-                "go-forward: the option `distance` must be at least 0.05 m forward or backward; a "
-                "negative distance means backward");
+    return fail(
+        Fault::usage,
+        "go-forward: the absolute value of the option `distance` must be at least 0.05 m; a "
+        "negative distance means backward");
   motion::Settings settings;
   settings.use_gyro = context.options.choice("gyro") == "use";
   settings.balance = KAZ_TRY(balance_policy(context.options.choice("balance")));
@@ -65,7 +66,7 @@ Result<Outcome> run(Context& context) {
   Outcome outcome;
   outcome.success = !walker.fallen() && std::abs(walked - distance) < kNear;
   char text[160];
-  std::snprintf(text, sizeof text, "the robot %s %.2f m, %.1f degrees off its heading%s",
+  std::snprintf(text, sizeof text, "the robot %s %.2f m; its heading changed by %.1f degrees%s",
                 walker.fallen() ? "fell after" : "walked", walked, turned,
                 motion.has_gyro() ? "" : " (measured by the robot's strides, without a gyro)");
   outcome.sentence = text;

@@ -33,10 +33,11 @@ constexpr Option kOptions[] = {
      false, is_navigation_goal},
     {"turns", "steered", "steered|paper", 0, 0, "paper: turns are multiples of 45 degrees"},
     {"unknown", "costly", "costly|closed", 0, 0,
-     "costly: paths over unseen floor cost twice as much; closed: no paths over unseen floor"},
+     "costly: a path over unseen floor costs twice as much as a path over seen floor; closed: no "
+     "path leads over unseen floor"},
     {"planner", "grid", "grid|ompl", 0, 0,
-     "grid: searches over cells and headings; ompl: samples random poses (OMPL's ABIT*), and is "
-     "only valid with turns=steered"},
+     "grid: searches over cells and headings; ompl: samples random poses (with the algorithm "
+     "ABIT* of the library OMPL); ompl is only valid with turns=steered"},
     {"seconds", "600", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 
@@ -605,8 +606,8 @@ class Navigation {
     if (body_.fallen()) return Outcome{false, "the robot fell", {}, "fell"};
     const double missed = (goal_now() - here()).norm();
     char text[120];
-    std::snprintf(text, sizeof text, "the goal is reached; the error by odometry is %.0f mm",
-                  1e3 * missed);
+    std::snprintf(text, sizeof text,
+                  "the goal is reached; according to odometry, the error is %.0f mm", 1e3 * missed);
     Outcome outcome{true, text, {{"missed_m", missed}}};
     if (goal_.heading_rad) {
       const double missed_deg = wrapped(*goal_.heading_rad - place().heading) / kDegree;
@@ -646,9 +647,9 @@ class Navigation {
 Result<std::unique_ptr<plan::Planner>> planner_of(const Context& context) {
   if (context.options.choice("planner") == "grid") return plan::make_grid_planner();
   if (context.options.choice("turns") == "paper")
-    return fail(
-        Fault::usage,
-        "navigate: turns=paper is only valid with planner=grid; leave out one of the two options");
+    return fail(Fault::usage,
+                "navigate: turns=paper is only valid with planner=grid; leave out turns=paper or "
+                "planner=ompl");
   return plan::load_ompl_planner({.seed = context.seed});
 }
 

@@ -1,4 +1,5 @@
-// Odometry of the last seconds. Results of images arrive late and need the odometry at the exposure.
+// Stores where the robot was during the last 2 to 4 s, according to odometry. The result of an image arrives
+// some time after the exposure. PlaceHistory returns the robot's place at the time of the exposure.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +12,7 @@
 
 namespace kaz::behavior {
 
-// Keeps the newest 200 entries, which cover 2 to 4 s of control cycles.
+// Keeps the newest 200 entries. With one entry per control cycle, the entries cover 2 to 4 s.
 class PlaceHistory {
  public:
   // Adds an entry. Ignores an entry that is not later than the newest stored entry.

@@ -29,8 +29,8 @@ Result<Outcome> run(Context& context) {
   const std::string& text = context.options.choice("poses");
   if (text == kNone)
     return fail(Fault::usage,
-                "play: no poses are given; give --poses FILE (kaz run pose --view writes such "
-                "files, see docs/howto/watch.md)");
+                "play: no poses are given; give --poses FILE (`kaz run pose --view` writes "
+                "such files, see docs/howto/watch.md)");
   const auto sequence = KAZ_TRY(motion::parse_poses(text, "poses"));
   const auto names = joint_names(context);
   const auto motion = KAZ_TRY(motion::PoseMotion::create(sequence, names));

@@ -24,8 +24,8 @@
 #endif
 
 // Text that identifies the headers and the compiler options that affect the layout of types. For example,
-// -march changes Eigen's alignment. This text must be equal in a plug-in and in the program that loads the
-// plug-in, so that the types have the same layout in both.
+// the compiler option -march changes the alignment of Eigen's types. This text must be equal in a plug-in and
+// in the program that loads the plug-in, so that the types have the same layout in both.
 #define KAZ_PLUGIN_INTERFACE                                                        \
   "headers " KAZ_INTERFACE_ID ", Eigen alignment " KAZ_PLUGIN_TEXT(                 \
       EIGEN_MAX_ALIGN_BYTES) ", C++11 ABI " KAZ_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI) \
@@ -37,8 +37,7 @@ namespace kaz::behavior {
 struct Plugin {
   // KAZ_PLUGIN_INTERFACE of the plug-in's build. `interface` is the first member in every version of Plugin.
   const char* interface;
-  // The program compares `interface` with its own KAZ_PLUGIN_INTERFACE. If the texts differ, the program does
-  // not read `behavior`.
+  // The program reads `behavior` only if `interface` is equal to the program's own KAZ_PLUGIN_INTERFACE.
   const Behavior* behavior;
 };
 

@@ -40,8 +40,8 @@ Result<void> PosePlayer::check(const motion::PoseMotion& motion) {
     }
     if (extent.fastest_rad_per_s > ramp) {
       std::snprintf(text, sizeof text,
-                    "the poses turn %s at %.1f rad/s at %.2f s, but the board allows %.1f rad/s: "
-                    "leave more time between the poses",
+                    "the poses turn %s too fast (%.1f rad/s at the time %.2f s); the board allows "
+                    "%.1f rad/s: leave more time between the poses",
                     name.c_str(), extent.fastest_rad_per_s, extent.fastest_at_s, ramp);
       return fail(Fault::usage, text);
     }

@@ -40,7 +40,7 @@ class PosePlayer {
   // if it returns true. While the link is lost, the motion waits.
   Result<Followed> play(const motion::PoseMotion& motion, const std::function<bool()>& stop = {});
 
-  // Runs one control cycle with these targets, which may be empty (ControlCycle::next).
+  // Runs one control cycle with `targets` (ControlCycle::next). `targets` may be empty.
   Result<ControlCycle::Input> cycle(std::span<const host::JointTarget> targets, Time ramp) {
     return cycle_.next(targets, ramp);
   }

@@ -23,10 +23,10 @@ struct PoseRequest {
 
 // Error message of a run without a source of requests.
 inline constexpr const char* kNoRequests =
-    "kaz run pose needs --view and the virtual robot: give --view, and leave --robot out. For a "
-    "robot at a port, use kaz run play --poses FILE";
+    "`kaz run pose` needs --view and the virtual robot: give --view, and leave out --robot. For a "
+    "robot at a port, use `kaz run play --poses FILE`";
 
-// Errors (usage): the line is not one of the requests above; the message lists the valid forms.
+// Fails (usage) if `line` is not a valid request. The message lists the valid forms.
 Result<PoseRequest> parse_pose_request(std::string_view line);
 
 }  // namespace kaz::behavior

@@ -22,7 +22,8 @@ struct CycleRow {
   double pan_target = 0, tilt_target = 0;      // sent in this cycle
   double pan_measured = 0, tilt_measured = 0;  // from the newest state
   bool ball_known = false;                     // if false, ball_pan and ball_tilt are undefined
-  // Estimated pan and tilt angles of the head that would center the ball in the image at `time`.
+  // Estimated direction of the ball at `time`, as the pan and tilt angles of a head that looks straight at
+  // the ball.
   double ball_pan = 0, ball_tilt = 0;
 };
 

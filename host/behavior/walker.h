@@ -1,4 +1,5 @@
-// Walking for behaviors: leg targets of Motion in each control cycle, with targets for other joints.
+// Walking for behaviors. In each control cycle, Walker sends the leg targets of Motion, together with the
+// behavior's targets for other joints.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +13,10 @@ namespace kaz::behavior {
 
 class Walker {
  public:
-  // Enables the motors and moves slowly into the crouch for walking. If the board has a gyro, the robot then
-  // stands until the gyro is zeroed. The call takes 2 to 8 s. Fails if robot or clock fail. Also fails
-  // (usage) for a robot other than Kaz. The context must outlive the returned object.
+  // Enables the motors and moves slowly into the crouch for walking. If the board has a gyro and
+  // Settings::use_gyro is true, the robot stands still in the crouch until the gyro is zeroed. The call takes
+  // 2 to 8 s. Fails if robot or clock fail. Also fails (usage) for a robot other than Kaz. The context must
+  // outlive the returned object.
   static Result<Walker> begin(Context& context, std::string_view behavior,
                               const motion::Settings& settings = {});
 

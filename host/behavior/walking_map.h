@@ -1,8 +1,8 @@
 // Local map of a walking robot: enters each picture at the pose that the robot had at the exposure.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frame: the frame of odometry, which is the foot frame at the start: x ahead, y left, origin below the
-// hips. Units: m, rad.
+// All positions are in the odometry frame. The odometry frame is the robot's foot frame at the start of the
+// run: x points ahead, y points left, and the origin is below the hips. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -65,15 +65,16 @@ class WalkingMap {
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
   // `faded_at_`: place of the robot when fade() last acted. `matched_at_`: place of the robot when a floor
-  // pattern last matched. Both places are without the corrections by floor patterns.
+  // pattern last matched. `faded_at_` and `matched_at_` come from odometry alone, without the
+  // corrections by floor patterns.
   std::optional<motion::Place> faded_at_, matched_at_;
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;
   int corrections_ = 0;
 };
 
-// Returns the pose of the supporting sole (vision/image/frame.h) in the map, from the odometry's place and
-// the joint angles at the same time. `joint_rad` must have KZ_JOINTS elements.
+// Returns the pose of the supporting sole (vision/image/frame.h) in the map. `place` and the joint angles
+// `joint_rad` must describe the robot at the same time. `joint_rad` must have KZ_JOINTS elements.
 Eigen::Isometry3d map_from_foot(const motion::Place& place, const std::vector<double>& joint_rad);
 
 // Result of look_ahead().
@@ -83,7 +84,7 @@ struct Ahead {
   Eigen::Vector2d where{0, 0};  // position of the obstacle or unknown cell that limits clear_m
 };
 // Returns how far a robot at `place` may walk straight ahead, at most `until_m`. If `unknown_ends` is true,
-// the robot must stop before unknown floor in the same way as before an obstacle.
+// unknown floor limits the distance in the same way as an obstacle.
 Ahead look_ahead(const map::LocalMap& map, const motion::Place& place, double until_m,
                  bool unknown_ends);
 

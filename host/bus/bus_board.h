@@ -33,10 +33,12 @@ class BusBoard {
   static constexpr double kMaxSpeed = 12;  // largest speed limit that a joint can have, rad/s
 
   // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
-  // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer, does not
-  // accept a setting, or is far outside its range. If servos do not answer, the message lists all of them.
-  // Fails (usage) for a wrong model or mode, too many joints, a duplicate id, two protocols, or a range whose
-  // positions would wrap.
+  // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer or does
+  // not accept a setting, or if a joint is more than 15 degrees outside its range. If servos do not answer,
+  // the message lists all of them. Fails (usage) if a servo has the wrong model or mode, or if two servos
+  // have the same id or different protocols. Also fails (usage) if `joints` is empty or has more than
+  // KZ_JOINTS elements. Also fails (usage) if a joint's range includes angles for which its servo has no
+  // positions.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
   // Parses bytes from the host and queues the frames for serve(). A `stop`, or an `enable` with an empty
@@ -96,7 +98,7 @@ class BusBoard {
   void set_limits(const kz_limits& limits);
   // Recovers servos that were stopped by a protection of the servo, such as the overload protection.
   Result<void> recover();
-  std::uint32_t on() const;      // mask of the joints that are not confirmed off
+  std::uint32_t on() const;      // mask of the joints whose torque is not confirmed to be off
   std::uint32_t driven() const;  // mask of the joints that accept targets
   std::uint32_t there() const;   // mask of the joints that have a servo
   std::uint32_t tick() const;

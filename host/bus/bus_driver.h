@@ -22,7 +22,8 @@ namespace kaz::host {
 
 // Returns a name for messages, such as "servo 1 (pan)".
 std::string named(const servo_bus::BusServo& servo);
-// Returns a command-line option for commands that a message suggests, such as "--robot feetech:/dev/ttyACM0".
+// Returns the command-line option that selects a bus, such as "--robot feetech:/dev/ttyACM0". Messages that
+// suggest a command contain this option.
 std::string bus_option(servo_bus::Protocol protocol, const std::string& port_name);
 
 // Bits for the faults that a servo reports.
@@ -72,8 +73,8 @@ class BusDriver {
   virtual Result<bool> write(const Servo& servo, std::string_view name, int value) = 0;
   // Writes one register of all servos in one packet, which no servo answers.
   virtual Result<void> write_all(Servos servos, std::string_view name, int value) = 0;
-  // Writes until the servo acknowledges, or until the register reads back as `value`. Returns false after two
-  // tries.
+  // Writes one register, with at most two tries. A try succeeds if the servo acknowledges the write, or if a
+  // read after the write returns `value`. Returns false if both tries fail.
   Result<bool> set(const Servo& servo, std::string_view name, int value);
 
   // Reads the state of all servos. The state of a servo that does not answer is empty.
@@ -86,8 +87,8 @@ class BusDriver {
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
   // Switches torque off with one packet to all servos. Then reads the torque state of each servo, and writes
-  // again until the servo answers `off`. Makes at most three rounds over all servos. Ends earlier when the
-  // time `within` has passed. However, the first servo is always read.
+  // again until the servo answers `off`. Makes at most three rounds over all servos. If the time `within`
+  // has passed, returns early, but not before reading the torque state of the first servo once.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;

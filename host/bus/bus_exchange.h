@@ -3,8 +3,8 @@
 //
 // The template parameter Wire defines the packets. Its members are the types Packet and Reader, and the
 // functions wire_of(packet) and answers(packet, parameters). A Packet has the members `id` and `parameters`
-// and can be compared. The function answers() returns whether a packet is an answer with this number of
-// parameters, or an answer that reports an error.
+// and can be compared. The function answers() returns whether a packet is a valid answer. `parameters` is
+// the number of parameters in an answer without an error.
 #pragma once
 
 #include <array>

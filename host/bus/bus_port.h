@@ -1,4 +1,4 @@
-// A link to the virtual board of a servo bus (bus_board.h) on a port.
+// A port with a servo bus, presented as a link to a virtual servo board (bus_board.h).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

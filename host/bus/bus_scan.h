@@ -22,8 +22,7 @@ struct ScannedServo {
   // `damaged`, because their cause is undecided.
   int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // times from the first byte sent to the last byte received
-  // Values from the last reading, except lowest_volts, which is the minimum over all readings. NAN or -1: not
-  // read.
+  // Values from the newest reading; only lowest_volts is the minimum over all readings. NAN or -1: not read.
   double volts = NAN, lowest_volts = NAN, celsius = NAN;
   double return_delay_s = NAN;
   int torque = -1;          // 0: off; 1: on
@@ -32,18 +31,20 @@ struct ScannedServo {
 
 struct ScanOptions {
   int first_id = 0, last_id = 252;
-  int readings = 20;  // number of readings of each servo that is found
+  int readings = 20;  // how many times the scan reads each servo that it finds
   Time within{};      // timeout of an answer, without the transmission time; 0 selects 8 ms
   // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
-  // Measures delays of this process at the scan's link and clock, in real time. May be null.
+  // Measures delays of this process in real time. May be null. If `lateness` is not null, pass the same
+  // LatenessMeter to scan_bus() as link and as clock.
   LatenessMeter* lateness = nullptr;
   // Called for each id that stays undecided: no servo answered, but this machine was late in all repetitions.
   // `excuse` is the text from LatenessMeter::excuse().
   std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 
-// Scans at the link's bit rate, which must be `baud`. Returns the link's errors.
+// Scans the ids from `options.first_id` to `options.last_id`. `baud` must be equal to the link's bit rate.
+// Returns the link's errors.
 Result<std::vector<ScannedServo>> scan_bus(Link& link, Clock& clock, servo_bus::Protocol protocol,
                                            long baud, const ScanOptions& options);
 

@@ -44,16 +44,17 @@ class DynamixelDriver final : public BusDriver {
   Result<std::vector<Exchange::Answer>> read_blocks(Servos servos, std::string_view first,
                                                     std::size_t count);
 
-  // Reads all servos with one packet by fast sync read, which newer firmware has. Returns nullopt if the
-  // answer is incomplete.
+  // Reads all servos with one packet, a fast sync read. Only newer firmware supports fast sync read. Returns
+  // nullopt if the answer is incomplete.
   using Blocks = std::vector<Exchange::Answer>;
   Result<std::optional<Blocks>> read_fast(Servos servos, const std::vector<std::uint8_t>& sync_read,
                                           std::size_t count);
 
   Exchange exchange_;
-  // may_be_fast_ becomes false when the driver rules out fast sync read. The reason is that the firmware of a
-  // servo is too old, or that two answers were missing before the first complete answer. was_fast_ becomes
-  // true with the first complete answer to a fast sync read.
+  // The first complete answer to a fast sync read sets was_fast_ to true. If may_be_fast_ is false, the
+  // driver does not use fast sync read. Two events set may_be_fast_ to false:
+  // - The firmware of a servo is too old for fast sync read.
+  // - Two fast sync reads get no answer, and no fast sync read was answered completely before.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
   Time circuit_due_{};  // time at which voltages and temperatures are read next

@@ -100,8 +100,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     plan.wrapped = std::floor(encoder_high / turn) != std::floor(encoder_low / turn);
     if (plan.wrapped)
       return fault(
-          "inside the joint's range, the servo's position jumps between its highest and lowest "
-          "value, and no register can move this jump: " +
+          "inside the joint's range, the servo's position jumps from its highest to its lowest "
+          "value, and no register can move this jump out of the range: " +
           remount(modulo((encoder_low + encoder_high) / 2, turn), model));
     shift = -turns;  // forgotten when the torque comes
     if (sweep.low() + shift < 0 || sweep.high() + shift > turn - 1) {
@@ -115,7 +115,8 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
     plan.wrapped = sweep.high() + shift > turn - 1;
     if (sweep.width() > turn - 2 * kRangeMargin)
       return fault("the joint was turned through " + degrees(sweep.width(), model) +
-                   ", which leaves no room for the wrap of the servo's positions");
+                   ": this range must be clearly smaller than one full turn, because the servo's "
+                   "positions repeat after each turn");
     if (low < kRangeMargin || sweep.high() + shift > turn - 1 - kRangeMargin) {
       // The middle of the range to the middle of the turn. The register holds half a turn either way.
       const double encoder = modulo(middle + now.offset, turn);

@@ -1,10 +1,10 @@
-// Measures the range of a joint that the user turns by hand. Plans servo settings with which the servo's
-// position does not wrap within this range.
+// Measures the range of a joint that the user turns by hand. Plans servo settings that keep the servo's
+// position from wrapping inside the joint's range.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A servo's position is its encoder reading within one turn, shifted by an offset that is stored in a
-// register. If the end of the turn lies inside the joint's range, the position jumps from 4095 to 0 at this
-// place. After such a jump, a position loop turns the joint back the long way.
+// register. At the end of the turn, the position jumps from 4095 to 0. If the joint passes the end of the
+// turn, a position loop turns the joint back the long way.
 //
 //   STS:        position = (encoder - position_offset) mod 4096. The offset moves the end of the turn.
 //   DYNAMIXEL:  position = encoder + homing_offset, in mode 3. The end stays at the encoder's 0.
@@ -19,7 +19,8 @@
 
 namespace kaz::host {
 
-// Position readings of one joint, in steps, unwrapped over the ends of turns.
+// Collects the position readings of one joint, in steps. If a reading wraps at the end of a turn, the
+// collected position continues without a jump.
 class RangeSweep {
  public:
   explicit RangeSweep(const servo_bus::Model& model);
@@ -30,8 +31,8 @@ class RangeSweep {
   double low() const { return low_; }
   double high() const { return high_; }
   double width() const { return high_ - low_; }
-  // Returns whether two consecutive readings were more than a quarter turn apart. The direction of the turn
-  // between these readings is then uncertain.
+  // Returns true if two consecutive readings were more than a quarter turn apart. Readings so far apart do
+  // not show in which direction the joint was turned.
   bool jumped() const { return jumped_; }
 
  private:
@@ -53,7 +54,7 @@ struct RangeRegisters {
 struct RangePlan {
   // Reason why the joint cannot be calibrated, and the remedy; empty if calibration is possible.
   std::string fault;
-  bool wrapped = false;      // the end of a turn was inside the range
+  bool wrapped = false;      // with the old registers, the position wraps within the joint's range
   double low = 0, high = 0;  // positions at the stops with the new registers, steps
   RangeRegisters registers;  // new values of the registers
   double zero = 0;           // position of the joint's zero, for bus.json, steps
@@ -67,8 +68,10 @@ double range_share(const servo_bus::BusServo& servo, double lower_rad, double up
                    const RangeSweep& sweep);
 
 // Plans registers and zero. `lower_rad` and `upper_rad` are the ends of the joint's range in the robot file.
-// The middle of the swept range becomes the middle of the range in the robot file. Sets RangePlan::fault if
-// the widths of both ranges differ by more than 10 % and more than 10 degrees.
+// RangePlan::zero is chosen so that the middle of the swept range has the joint angle
+// (lower_rad + upper_rad) / 2. Sets RangePlan::fault if the joint cannot be calibrated. For example, the
+// width of the swept range may differ too much from the width of the range in the robot file. The permitted
+// difference is 10 degrees or 10 % of the width in the robot file, whichever is larger.
 RangePlan plan_range(const servo_bus::BusServo& servo, double lower_rad, double upper_rad,
                      const RangeRegisters& now, const RangeSweep& sweep);
 

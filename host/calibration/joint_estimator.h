@@ -9,9 +9,9 @@
 // unknown that no equation determines keeps its prior mean. The uncertainty of this unknown is part of the
 // expected errors.
 //
-// The board stores a line for each joint: the line with the least mean square error over the joint's range.
-// The expected error in `JointEstimate` includes the curve's deviation from this line and the remaining
-// uncertainty.
+// The board stores one straight line for each joint. This line is a least-squares fit to the estimated curve
+// over the joint's range. The expected error in `JointEstimate` includes the curve's deviation from this line
+// and the remaining uncertainty.
 #pragma once
 
 #include <utility>
@@ -39,7 +39,8 @@ struct Equation {
 };
 
 struct JointEstimate {
-  host::JointCalibration line;  // rounded to the board's 100 urad
+  // Rounded to multiples of 100 urad, the unit of the board's calibration.
+  host::JointCalibration line;
   // Difference between two lines at the code in the middle of the joint's range: angle on `line` minus angle
   // on the nominal line.
   double shift_rad = 0;

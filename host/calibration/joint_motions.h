@@ -29,8 +29,8 @@ struct MotionGroup {
   std::vector<StopStep> steps;
 };
 
-// Returns three groups: head and hands, arms, legs. The steps of the groups press each joint against both
-// stops once.
+// Returns three groups: head and hands, arms, legs. Together, the groups press each joint once against its
+// lower stop and once against its upper stop.
 std::span<const MotionGroup> stop_groups();
 
 // Returns stances on both soles: crouches, leans, and stances with the weight shifted to one side.

@@ -8,8 +8,8 @@
 // calibration in RAM is replaced by a calibration with 0.85 of the nominal scale. With this calibration,
 // every stop seems to be well inside the limits. To press against a stop, a joint gets a target 6 degrees
 // beyond the stop. The gains are low. So most joints press against their stops with about a third of their
-// torque. The joints of the hands press with about a sixth of their torque. The caller ensures free space:
-// only the stop may end a joint's motion.
+// maximum torque. The joints of the hands press with about a sixth of their maximum torque. The caller
+// ensures free space: only the stop may end a joint's motion.
 //
 // Afterwards, the caller must restore gains, limits and calibration.
 #pragma once
@@ -72,15 +72,16 @@ Result<FloorReading> read_here(host::Robot& robot,
 // Standard deviation of the angle at a stop, rad. Stops are milled with a tolerance of 0.1 degrees. Under
 // load, they yield by less than 0.1 degrees.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// Standard deviation of the angle that a stored line gives for a stop, rad. Earlier floor readings or a gauge
-// possibly moved the line away from the true angle of the stop. So this value is larger than kStopSigma.
+// Standard deviation of the angle that a stored line gives for a stop, rad. If the stored line was also
+// fitted to floor readings or to a gauge, its angle for a stop can differ from the true angle of the stop. So
+// this value is larger than kStopSigma.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// Adds an equation for each stop of a joint. No stop is read. Instead, the code of a stop is computed from
-// the angle of the stop with the stored calibration `line`. A stored calibration passes near the true angles
-// of the stops.
+// Adds one equation for each of the joint's two stops, without a reading at the stop. The code of a stop is
+// computed from the angle of the stop with the stored calibration `line`. A stored calibration passes near
+// the true angles of the stops.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
 // Returns the prior standard deviations (g) of the additional unknowns of add_floor(). Each reading has two
@@ -88,8 +89,9 @@ void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line
 // the previous reading; for the first reading, the unknown is the zero offset itself.
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
 // Adds equations which state that both soles lie on one plane. If FloorReading::has_force is true, the normal
-// of this plane is also the direction of the specific force. The additional unknowns of `to` must be
-// floor_unknowns(). The equations are linear approximations near the solution `about`.
+// of this plane is also the direction of the specific force. Precondition: `to` was constructed with the
+// result of floor_unknowns(readings). The equations are linearized at the joint angles that `about` gives for
+// the readings.
 void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,
                const JointEstimator::Solution& about);
 

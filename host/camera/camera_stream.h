@@ -19,12 +19,12 @@ struct CameraStream {
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 
-// Fails (environment) if the header is not a camera stream, has another version, or declares an invalid
-// camera. A camera is invalid if its size, intrinsics, baseline or latency is out of range. Messages contain
-// `path`.
+// Fails (environment) if `header` is not the header of a camera stream, has an unsupported version, or
+// declares an invalid camera. A camera is invalid if its size, intrinsics, baseline or latency is out of
+// range. Messages contain `path`.
 Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& path);
-// Fails (environment) if the header is not a pair header. Also fails if the time of the exposure is negative,
-// or later than `now` + kMaxCameraAhead.
+// Fails (environment) if `pair` is not the header of a stereo pair. Also fails if the time of the exposure is
+// negative, or later than `now` + kMaxCameraAhead.
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path);
 

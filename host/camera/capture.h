@@ -14,8 +14,8 @@ namespace kaz::host {
 
 class Capture final : public vision::Camera {
  public:
-  // If the exposure of a pair is newer than all states from the board, the pair waits at most this long for
-  // newer states. After this wait, poll() returns the pair with posture_known = false.
+  // Maximum time that a pair waits for newer states from the board. A pair waits if its exposure is newer
+  // than all states received so far. After this wait, poll() returns the pair with posture_known = false.
   static constexpr Time kPatience = std::chrono::milliseconds(50);
 
   // `camera` and `robot` must outlive this object and have the same time scale.
@@ -23,8 +23,8 @@ class Capture final : public vision::Camera {
 
   const vision::CameraModel& model() const override { return camera_.model(); }
 
-  // Returns the camera's next pair with `joint_rad`, `foot_from_eye` and `posture_known` set. Returns the
-  // camera's error once all waiting pairs were returned.
+  // Returns the camera's next pair with `joint_rad`, `foot_from_eye` and `posture_known` set. If the camera
+  // has failed, poll() first returns all waiting pairs, and then the camera's error.
   Result<std::optional<vision::StereoPair>> poll() override;
 
  private:

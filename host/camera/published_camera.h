@@ -34,7 +34,8 @@ class PublishedCamera final : public vision::Camera {
   PublishedCamera& operator=(const PublishedCamera&) = delete;
 
   const vision::CameraModel& model() const override { return stream_.model; }
-  // Time from the exposure until poll() returns a pair, as the publisher declares it.
+  // Minimum time from a pair's exposure until poll() returns the pair. The publisher declares this time in
+  // the header of the stream.
   Time latency() const { return stream_.latency; }
 
   // Returns a pair once latency() has passed since the pair's exposure. Fails with "camera PATH stopped: ..."

@@ -20,7 +20,8 @@ std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_by_name(std::string_view name);
 
 // Encoding of YUYV. The weights of red and blue in Y are those of ITU-R BT.601 (most cameras) or BT.709.
-// Limited range: Y from 16 to 235, color differences from 16 to 240. Full range: all from 0 to 255.
+// Limited range: Y from 16 to 235, color differences from 16 to 240. Full range: Y and color differences from
+// 0 to 255.
 struct YuvMeaning {
   bool bt709 = false;
   bool full_range = false;

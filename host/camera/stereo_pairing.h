@@ -37,8 +37,8 @@ class StereoPairing {
   // pictures.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
-  // Queues a picture. A picture that is not newer than the last picture of the same side is dropped and
-  // counted.
+  // Queues a picture. Drops and counts a picture whose exposure is not later than the exposure of the side's
+  // previous picture.
   void add(EyeSide side, RawFrame frame);
   // Returns the next pair, oldest first; nullopt if no pair is complete. Drops pictures that can no longer
   // have a partner.
@@ -55,8 +55,8 @@ class StereoPairing {
     std::uint64_t alone = 0, out_of_order = 0;
     void drop_first();
   };
-  // Returns whether the second picture in the queue of `line` was exposed nearer to the time `t` than the
-  // first picture.
+  // Compares the exposures of the first and the second picture in `line`. Returns true if the second exposure
+  // is nearer to the time `t`.
   static bool second_is_nearer(const Line& line, Time t);
   const Line& of(EyeSide side) const { return lines_[static_cast<std::size_t>(side)]; }
 

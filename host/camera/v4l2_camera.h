@@ -46,9 +46,9 @@ struct V4l2Statistics {
   std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too rarely
   std::uint64_t without_partner = 0;  // pictures of either side that got no partner
   std::uint64_t damaged = 0;          // pictures marked by the driver, truncated, or not decodable
-  std::uint64_t out_of_order = 0;     // pictures not newer than the previous one
+  std::uint64_t out_of_order = 0;     // pictures not newer than the previous one of their side
   std::uint64_t lost = 0;             // pictures lost by the driver, for lack of a buffer
-  std::uint64_t ahead = 0;            // pictures with a time stamp after their arrival
+  std::uint64_t ahead = 0;            // pictures with a computed exposure later than their arrival
   Time largest_gap{};                 // longest time between the exposures of a pair
   Time tolerance{};
   std::array<Stamp, 2> stamps{};  // kind of time stamps, left and right
@@ -59,8 +59,8 @@ class V4l2Camera final : public vision::Camera {
   // Size of the queue of pairs. If poll() is called too rarely, the oldest pairs are dropped.
   static constexpr std::size_t kMostWaiting = 4;
 
-  // Opens both devices at the calibration's size and starts them. Returns the errors of V4l2Device::open()
-  // and start().
+  // Opens both devices with the picture size of the calibration, and starts both streams. Returns the errors
+  // of V4l2Device::open() and start().
   static Result<std::unique_ptr<V4l2Camera>> open(const V4l2Source& source,
                                                   const vision::StereoCalibration& calibration,
                                                   const V4l2Options& options = {});

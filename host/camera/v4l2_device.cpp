@@ -162,11 +162,10 @@ Result<void> V4l2Device::check_kind() const {
                 refused(path_, name + " delivers only multi-planar pictures, which are not "
                                       "supported; use a camera with the single-planar interface"));
   if (!(can & V4L2_CAP_VIDEO_CAPTURE) || !(can & V4L2_CAP_STREAMING))
-    return fail(
-        Fault::environment,
-        refused(path_,
-                "this node of " + name +
-                    " delivers no pictures; use another node of the camera, usually the first"));
+    return fail(Fault::environment, refused(path_, "this node of " + name +
+                                                       " delivers no pictures; use another node of "
+                                                       "the camera (usually, the camera's first "
+                                                       "node delivers the pictures)"));
   return {};
 }
 
@@ -215,17 +214,17 @@ Result<void> V4l2Device::agree(const V4l2Wanted& wanted) {
   }
   if (known.empty())
     return fail(Fault::environment,
-                refused(path_, "it offers " + list_of(offered) + "; " +
+                refused(path_, "formats that the camera offers: " + list_of(offered) + "; " +
                                    (wanted.format ? std::string(pixel_format_name(*wanted.format)) +
                                                         " was requested"
                                                   : "YUYV, RGB24, MJPEG or GREY is needed")));
   if (fitting.empty())
     return fail(
         Fault::environment,
-        refused(path_, "the camera has no picture size " +
+        refused(path_, "the calibration is for pictures of " +
                            size_text(static_cast<std::uint32_t>(wanted.width),
                                      static_cast<std::uint32_t>(wanted.height)) +
-                           ", the calibration's size; the camera offers " +
+                           ", but the camera does not offer this size; the camera offers " +
                            sizes(code_of(known.front())) + ": calibrate at one of these sizes"));
   // Some cameras reach the rate only with compressed pictures.
   PixelFormat best = fitting.front();

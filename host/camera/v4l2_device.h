@@ -3,11 +3,12 @@
 //
 // Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
 // picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
-// The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. If the
-// camera reports its exposure time (V4L2_CID_EXPOSURE_ABSOLUTE, read once at the start), half of this time is
-// added or subtracted to get the middle of the exposure. A picture cannot be exposed after its arrival.
-// If a driver's time stamp is later than the arrival, the time of arrival is used instead, and the picture is
-// counted. No interface reports the readout time of a rolling shutter, so the readout time is ignored.
+// The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. The
+// exposure time is read once, at the start of the stream (V4L2_CID_EXPOSURE_ABSOLUTE). To get the middle of
+// the exposure, half of the exposure time is added to a stamp at the start of the exposure, and subtracted
+// from any other stamp. A picture cannot be exposed after its arrival. If the computed middle of the exposure
+// is later than the arrival, the time of arrival is used instead, and the picture is counted. No interface
+// reports the readout time of a rolling shutter, so the readout time is ignored.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +23,10 @@
 namespace kaz::host {
 
 struct V4l2Wanted {
-  int width = 0, height = 0;          // px; the camera must support exactly this size
-  double rate_hz = 30;                // pictures per second; the camera's nearest rate is used
-  std::optional<PixelFormat> format;  // empty: the best format that reaches the rate
+  int width = 0, height = 0;  // px; the camera must support exactly this size
+  double rate_hz = 30;        // pictures per second; the camera's nearest rate is used
+  // Empty: the first of the formats yuyv, rgb24, mjpeg and grey in which the camera reaches the rate.
+  std::optional<PixelFormat> format;
 };
 
 // Returns the error for a failed operation on the device at `path`. `doing` describes the operation, such as
@@ -41,8 +43,8 @@ Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 class V4l2Device {
  public:
   // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if `path` is not a
-  // video device, or if the device does not deliver pictures. Also fails unless the device offers
-  // single-planar pictures of the wanted size in a supported format.
+  // video device, or if the device cannot capture pictures. Also fails unless the device offers single-planar
+  // pictures of the wanted size in a supported format.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);
   ~V4l2Device();
@@ -64,8 +66,8 @@ class V4l2Device {
   double rate_hz() const { return rate_hz_; }
   // Number of pictures that the driver lost, computed from gaps in the driver's sequence numbers.
   std::uint64_t lost() const { return lost_; }
-  Stamp stamp() const { return stamp_; }  // meaning of the last picture's time stamp
-  // Number of pictures with a time stamp after their arrival.
+  Stamp stamp() const { return stamp_; }  // meaning of the newest picture's time stamp
+  // Number of pictures for which the driver's time stamp gave an exposure later than the picture's arrival.
   std::uint64_t ahead() const { return ahead_; }
 
  private:

@@ -21,9 +21,9 @@ class BoardReset {
 };
 
 // Resets a board by modem lines. DTR is wired to RES; while DTR is active, the board is in reset. RTS is
-// wired to the mode pins; an active RTS selects boot mode. A reset lasts 25 ms. The chip needs only 20 clock
-// cycles if its oscillator already runs. Opening a port activates both lines, so the board is held in reset
-// until the first reset(). `port` and `clock` must outlive this object.
+// wired to the mode pins; an active RTS selects boot mode. A reset lasts 25 ms. If the chip's oscillator
+// already runs, a reset of 20 clock cycles is enough. Opening a port activates both lines, so the board is
+// held in reset until the first reset(). `port` and `clock` must outlive this object.
 class ModemLineReset final : public BoardReset {
  public:
   ModemLineReset(ModemLines& port, Clock& clock) : port_(port), clock_(clock) {}

@@ -66,11 +66,11 @@ class FlashImage {
   // Checks the application against its header. Returns a description of the fault; empty if the application
   // is valid.
   std::string damage() const;
-  // Returns whether vectors or loader are part of the image. An update through the loader writes neither
-  // vectors nor loader: the board keeps its own vectors and loader.
+  // Returns whether the image contains bytes in the vectors' block or in the loader's block. An update
+  // through the loader writes neither vectors nor loader: the board keeps its own vectors and loader.
   bool has_loader() const { return touches(kVectorBlock) || touches(kLoaderBlock); }
   // Compares the CRC of vectors and loader with the CRC in the loader's mark (shared/flash/image.h). Returns
-  // a description of the difference. The description is empty if both CRCs are equal.
+  // a description of the difference. The description is empty if the two CRCs are equal.
   std::string loader_damage() const;
 
  private:

@@ -1,9 +1,10 @@
 // Flashes an H8S/2128: boot mode or resident loader, then erase, write, verify, read, run.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The flasher uses the interfaces Link and Clock, so it runs both on a port and in simulated time. Error
-// texts have several lines (diagnostic.h). Success is reported only after verification: three independent
-// checksums of the flash are compared with the checksums of the image.
+// The flasher accesses the board only through a Link, and reads the time only from a Clock. So the flasher
+// works with a real port in real time, and also with a simulated board in simulated time. Error texts have
+// several lines (diagnostic.h). Success is reported only after verification: three independent checksums of
+// the flash are compared with the checksums of the image.
 #pragma once
 
 #include <cstdint>
@@ -38,8 +39,9 @@ struct FlasherOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
-  // Measures delays of this process at the flasher's link and clock, in real time. Steps that failed while
-  // this machine was late are repeated. May be null.
+  // Measures the delays of this process in real time; may be null. If `lateness` is not null, pass the same
+  // LatenessMeter also as the flasher's link and clock. Steps that failed while this machine was late are
+  // repeated.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
   std::function<void(const std::string&)> note;  // called with one line for the user
@@ -69,9 +71,9 @@ struct FlashReport {
   double efficiency() const { return seconds > 0 ? min_seconds / seconds : 0; }
 };
 
-// Checks that `image` is a valid Kaz application. Boot mode erases vectors and loader, so with
-// `through_boot` the image must contain both. With `force`, the image need not be a Kaz application. Errors
-// (usage): the image is damaged, incomplete or not a Kaz application.
+// Checks that `image` is a valid Kaz application. Boot mode erases vectors and loader. So if `through_boot`
+// is true, the image of a Kaz application must contain vectors and loader. With `force`, the image need not
+// be a Kaz application. Errors (usage): the image is damaged, incomplete or not a Kaz application.
 Result<void> check_image(const FlashImage& image, bool through_boot, bool force);
 
 class Flasher {
@@ -79,22 +81,24 @@ class Flasher {
   // `program` is the flash writer (firmware's writer.bin). Link, clock and program must outlive the flasher.
   Flasher(Link& link, Clock& clock, std::span<const std::uint8_t> program, FlasherOptions options);
 
-  // Runs check_image() and compares the image's board id with the id of the board found. Returns the errors
-  // of check_image(). Also fails (failed) if the image is for another board.
+  // Runs check_image() and returns its errors. If the id of the connected board is known, compares the board
+  // id in the image with the id of the connected board. Fails (failed) if the two ids differ, unless
+  // FlasherOptions::force is true.
   Result<void> check(const FlashImage& image, bool through_boot) const;
 
-  // Starts the loader of a board whose firmware or loader answers at 115,200 baud. After success, found()
-  // contains the board's id. Returns false if the board does not answer, for example because it is erased.
+  // Starts the board's resident loader, with requests at 115,200 baud. If the loader already runs, changes
+  // nothing. After success, found() contains the board's id. Returns false if the board does not answer, for
+  // example because it is erased.
   Result<bool> enter_loader();
-  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. Keeps
-  // a board id that is known from enter_loader().
+  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. If an
+  // earlier call of enter_loader() found the board id, board_id() still returns this id afterwards.
   Result<void> enter_boot(BoardReset& reset);
 
   const std::optional<WriterInfo>& found() const { return info_; }
   std::optional<std::uint16_t> board_id() const { return board_id_; }
 
-  // Erases the blocks that differ, writes and verifies everything except the application's header, then
-  // writes and verifies the header.
+  // Erases the blocks that differ from the image. Then writes and verifies the image's bytes in these blocks,
+  // except the application's header. At the end, writes and verifies the header.
   //
   // A write through the loader does not change the blocks of vectors and loader. If the image is a Kaz
   // application, such a write also leaves calibration and address unchanged, even if the image contains their
@@ -123,8 +127,9 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
-  // Returns whether the flash address lies in a block of calibration or board address. A Kaz application that
-  // is written through the loader never changes these blocks.
+  // Returns true if writing `image` leaves the flash at `address` unchanged because its block holds the
+  // calibration or the board's address. Such a block stays unchanged if `image` is a Kaz application and is
+  // written through the loader.
   bool is_setting(std::uint32_t address, const FlashImage& image) const;
   void report_line(const std::string& line) const;
   void report_progress(const char* phase, std::uint32_t done, std::uint32_t total);

@@ -23,7 +23,7 @@ struct WriterRequest {
 
 struct WriterReply {
   std::uint8_t type = 0, number = 0, status = 0;
-  std::vector<std::uint8_t> data;  // bytes after the status and a reserved byte
+  std::vector<std::uint8_t> data;  // payload without its first two bytes (status, reserved byte)
 };
 
 struct WriterInfo {
@@ -46,20 +46,24 @@ std::string status_text(int status);
 
 class WriterLink {
  public:
-  // All arguments must outlive this object. `lateness` measures delays of this process at the same link and
-  // clock, in real time; `lateness` may be null. A failed try does not count if this machine was late during
-  // the try. In each exchange, at most LatenessMeter::kRepetitions failed tries are left uncounted.
+  // All arguments must outlive this object. `lateness` measures the delays of this process in real time;
+  // `lateness` may be null. If `lateness` is not null, pass the same LatenessMeter as `link` and as `clock`.
+  // A failed try does not count if this machine was late during the try. In each exchange, at most
+  // LatenessMeter::kRepetitions failed tries are left uncounted.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
-  // Sends a request and repeats it until a reply arrives. `patience` is the timeout of a try, which doubles
-  // after three tries. Errors: no reply, or a link error. A reply with an error status is returned.
+  // Sends a request and repeats it until a reply arrives. `patience` is the timeout of each of the first
+  // three tries; later tries have twice this timeout. Errors: no reply, or a link error. A reply with status
+  // KZ_WRITER_DAMAGED causes another try. A reply with any other error status is returned.
   Result<WriterReply> exchange(const WriterRequest& request, Time patience, int tries = 6);
   // Sends requests in order and repeats a request if its reply is missing. Up to KZ_WRITER_WINDOW requests
   // may wait for replies at the same time. The timeout for a reply is twice the recent response time, limited
-  // to the range from `patience` to 4 * `patience`. After a repetition, the timeout is up to three times as
-  // long. `next` is called when another request can be sent, and returns nothing after the last request.
-  // `answered` is called with each reply in order; an error from `answered` ends the exchange.
+  // to the range from `patience` to 4 * `patience`. After the first repetition of a request, its timeout is
+  // doubled. After the second and each later repetition, its timeout is three times the original timeout.
+  // `next` is called when another request can be sent. `next` must return this request, or nothing if no
+  // request is left. `answered` is called with each reply in order; an error from `answered` ends the
+  // exchange.
   Result<void> exchange_all(
       const std::function<std::optional<WriterRequest>()>& next, Time patience,
       const std::function<Result<void>(const WriterRequest&, const WriterReply&)>& answered);
@@ -79,8 +83,8 @@ class WriterLink {
   // Returns a valid frame, or nothing if no valid frame comes by `deadline`.
   Result<std::optional<WriterReply>> receive(Time deadline);
   bool parse(WriterReply& reply);
-  // Waits until the line is quiet. Keeps replies that arrive during the wait, because the board may only be
-  // slow.
+  // Waits until the line is quiet. Keeps replies that arrive during the wait, because a slow board may have
+  // sent them late.
   Result<void> settle();
   void begin_try();
   // Returns whether the failed try since begin_try() is excused because this machine was late. `left` is the

@@ -32,8 +32,8 @@ class ByteStream {
   Error closed() const { return Error{Fault::environment, closed_}; }
 
   // Queues `bytes` and writes as many of the queued bytes as the descriptor accepts. Fails if the other end
-  // is closed, or if more than 64 KiB would be unsent. After a failed write to a socket, read() still returns
-  // the bytes that the socket had received before.
+  // is closed. Also fails if the unsent bytes and `bytes` together exceed 64 KiB. After a failed write to a
+  // socket, read() still returns the bytes that the socket had received before.
   Result<void> write(std::span<const std::uint8_t> bytes);
   // Like Link::read, but also sends queued bytes during the wait.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline);

@@ -3,7 +3,8 @@
 //
 // A message contains the bytes that are between two zero bytes on a serial line: the stuffed body and the
 // checksum (docs/reference/protocol.md). The zero bytes are not transmitted; the receiver adds the zero bytes
-// again. The checksum of the protocol is transmitted unchanged, so it covers the whole path.
+// again. The checksum of the protocol is transmitted unchanged, so the checksum covers the whole path from
+// the sender to the receiver.
 //
 //   identifier             carries
 //   kCanRequests + 1..14   requests to this address
@@ -18,8 +19,8 @@
 // serial line, all boards ignore such a frame. A CAN link cannot transfer pauses between bytes, framing and
 // parity errors, the bit rate, or bytes that are not followed by a zero byte.
 //
-// If a receiver stops answering, the kernel aborts the transfer after one second. CanLink aborts the transfer
-// after the shorter time kGiveUp. So a board that starts to answer again is soon reachable.
+// If a receiver stops answering, CanLink aborts the transfer after 200 ms (kGiveUp). The kernel also aborts
+// such a transfer, but only after one second.
 #pragma once
 
 #include <array>

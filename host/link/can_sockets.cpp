@@ -56,16 +56,18 @@ class KernelCanSockets final : public CanSockets {
           interface_ + " is a network interface, but not a CAN interface (" + candidates() + ")");
     if (ioctl(any.get(), SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0)
       return fail(Fault::environment,
-                  "the CAN interface " + interface_ + " is down: `sudo ip link set " + interface_ +
-                      " up type can bitrate 1000000 restart-ms 100` with the bit rate of the bus "
-                      "(for a virtual interface: `sudo ip link set " +
-                      interface_ + " up`)");
+                  "the CAN interface " + interface_ + " is down: run `sudo ip link set " +
+                      interface_ +
+                      " up type can bitrate 1000000 restart-ms 100`, but replace 1000000 with the "
+                      "bit rate of the bus; for a virtual interface, run `sudo ip link set " +
+                      interface_ + " up`");
     const auto state = can_state(if_nametoindex(interface_.c_str()));
     if (state && state->bus_off())
       return fail(Fault::environment, "the CAN interface " + interface_ +
                                           " is bus-off: check wiring, termination (120 ohm at both "
-                                          "ends) and bit rate; the interface restarts by itself if "
-                                          "restart-ms is set; otherwise run `sudo ip link set " +
+                                          "ends) and bit rate; if restart-ms is set, the interface "
+                                          "restarts by itself; if restart-ms is not set, run `sudo "
+                                          "ip link set " +
                                           interface_ + " type can restart`");
     return {};
   }

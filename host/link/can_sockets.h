@@ -14,8 +14,8 @@ namespace kaz::host {
 // A pair of identifiers of ISO-TP (ISO 15765-2, normal addressing, 11 bits).
 struct IsoTpChannel {
   enum class Mode {
-    // Sends on tx_id, receives on rx_id. Each identifier also carries the flow control for the other
-    // identifier.
+    // Sends messages with tx_id, receives messages with rx_id. The flow control for sent messages arrives
+    // with rx_id. The flow control for received messages is sent with tx_id.
     pair,
     broadcast,  // sends only, to any number of receivers, without flow control
     listen,     // receives the messages of a `broadcast` channel

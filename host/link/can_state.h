@@ -11,7 +11,7 @@ struct CanState {
   bool up = false;
   // Carrier state as set by the driver. The state does not come from ioctl(). The flag IFF_RUNNING of ioctl()
   // follows the driver with a delay of up to a second (net/core/link_watch.c of the kernel). Just after `ip
-  // link set up`, this flag is out of date.
+  // link set up`, IFF_RUNNING still has the old value.
   bool carrier = true;
   // Controller state, an `enum can_state` of linux/can/netlink.h. Virtual interfaces have no controller.
   std::optional<std::uint32_t> controller;

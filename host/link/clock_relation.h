@@ -3,21 +3,22 @@
 //
 // A reply of the board contains the number of a tick. Let s be the host time at which this tick started. Two
 // rules of the board limit s. In a tick, the board reads only bytes that arrived before the start of the
-// tick. The reply leaves with the next tick at the earliest. Hence
+// tick. If the board reads a request in tick n, the reply leaves in tick n + 1 at the earliest. Hence
 //
 //   sent + request_bytes * byte_time  <=  s  <=  received - 1 ms - reply_bytes * byte_time
 //
 // So the offset between the two clocks, s - tick * 1 ms, lies in an interval [lo, hi]. Intervals of
 // successive exchanges are intersected (Marzullo, "Maintaining the time in a distributed system", 1983), so
-// the fastest exchanges set the bounds. Between exchanges the interval grows on both sides by kDriftBound
-// times the elapsed time, because the crystals of board and host differ. Let q be (hi - lo) / 2. The host
-// time of a tick follows from this formula:
+// the fastest exchanges set the bounds. The clocks of board and host drift apart between exchanges. So each
+// bound of the interval moves outward by kDriftBound times the time since the latest exchange. Let q be (hi -
+// lo) / 2. The host time of a tick follows from this formula:
 //
 //   host time of tick = (lo + hi) / 2 + tick * 1 ms, wrong by at most q + kDriftBound * |distance|
 //
-// In this formula, `distance` is the time between the tick and the latest exchange. If an intersection is
-// empty, the board was reset, or the board's clock did not run steadily. For example, a simulator lost time.
-// The relation then starts again from the latest exchange.
+// In this formula, `distance` is the time between the tick and the latest exchange. An empty intersection has
+// one of two causes: the board was reset, or the board's clock did not run steadily. The clock of a simulator
+// on a busy computer can run unsteadily. After an empty intersection, the relation starts again from the
+// latest exchange.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,8 @@ namespace kaz::host {
 
 class ClockRelation {
  public:
-  // Largest relative drift between the clocks, for crystals of up to 100 ppm at both ends.
+  // Assumption: the rate of each of the two clocks is wrong by at most 100 ppm. So the two rates differ by at
+  // most 200 ppm.
   static constexpr double kDriftBound = 200e-6;
 
   // `byte_time`: duration of one byte on the wire; zero if unknown. An unknown byte time makes the error

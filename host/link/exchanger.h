@@ -27,11 +27,12 @@ struct Request {
 };
 
 struct Reply {
-  bool refused = false;  // true: `fields` contains the fields of kz_refused
+  // True: the board refused the request. `fields` then contains a refusal, encoded as kz_refused.
+  bool refused = false;
   Fields fields;
-  // The members below are for the clock relation and describe the answered transmission. If the request was
-  // sent more than once, it is uncertain which transmission the reply answers. In this case, `timed` is
-  // false.
+  // The class ClockRelation uses the members below. The members describe one transmission of the request: the
+  // transmission that the reply answers. If the request was sent more than once, it is uncertain which
+  // transmission the reply answers. In this case, `timed` is false.
   bool timed = false;
   Time sent{};  // earliest time at which the first byte of the request could leave
   Time received{};
@@ -43,8 +44,8 @@ class Exchanger {
   virtual ~Exchanger() = default;
 
   // Posts all requests and waits for all replies. Returns the replies in the order of the requests. Fails if
-  // no try of a request gets a reply, or if the link fails or is interrupted. After a failure, no request is
-  // pending.
+  // a request has no reply after its last try, if the link fails, or if the program is interrupted. After a
+  // failure, no request is pending.
   virtual Result<std::vector<Reply>> exchange(std::span<const Request> requests) = 0;
 
   // With post() and collect() instead of exchange(), a request can leave while earlier replies arrive. The
@@ -86,10 +87,11 @@ class Exchanger {
   virtual std::span<const std::uint8_t> noise() const = 0;
   // Whether the last failure was a missing reply and not a lost link.
   virtual bool timed_out() const = 0;
-  // Whether a sent request was also received, which shows that the line echoes.
+  // Whether this host received a request. Boards never send requests, so a received request is an echo of a
+  // request that the host sent.
   virtual bool heard_echo() const = 0;
-  // Time at which the last request was written. In a group of boards, each board has such a time, and the
-  // oldest one is returned.
+  // Time at which the last request was written. For a group of boards, compares the times of the last request
+  // to each board and returns the earliest time.
   virtual Time last_sent() const = 0;
   // Whether a board of a group has restarted since the last call. For a single board, always returns false:
   // the caller detects a restart from the tick numbers in the board's replies.

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Supports only faults of the line. This class cannot inject framing errors. So an error of the bit rate
-// changes only the values of the bytes. Delayed bytes to the board leave at the next write or read after the
-// delay. Start times of faults count from the construction of the FaultyLink.
+// changes only the values of the bytes. Only write() and read() send delayed bytes to the board. If a delay
+// ends while neither function runs, the byte waits for the next call of write() or read(). Start times of
+// faults count from the construction of the FaultyLink.
 #pragma once
 
 #include <deque>
@@ -31,7 +32,7 @@ class FaultyLink final : public Link {
     return link_.reopen();
   }
 
-  // Adds a fault, whose start time is on the scale of age().
+  // Adds a fault. The fault starts when age() reaches the start time of the fault.
   void add(const faults::Fault& fault) { schedule_.add(fault); }
   const faults::Schedule& schedule() const { return schedule_; }
   // Time since construction.

@@ -11,10 +11,10 @@
 
 namespace kaz::host {
 
-// Links and clocks of real time, and the links and clocks of interruptible.h, take an Interrupt at
-// construction. After request(), Clock::sleep_until and Link::read fail with error() at once, until
-// withdraw() is called. During a CleanUp, sleep_until and read work nevertheless. Link::write always works,
-// so that a program that exits can switch the motors off.
+// At its creation, each real-time link, each real-time clock and each object of a class in interruptible.h
+// gets an Interrupt. After request(), Clock::sleep_until and Link::read fail with error() at once, until
+// withdraw() is called. While a CleanUp is active, Clock::sleep_until and Link::read ignore request().
+// Link::write always works, so that a program that exits can switch the motors off.
 class Interrupt {
  public:
   Interrupt();  // throws std::system_error if no file descriptor is free

@@ -69,8 +69,8 @@ std::string LatenessMeter::excuse(Time at_least) const {
   const bool often =
       at_least == Time::zero() && total_ >= excusing && seconds(total_) > kExcusingShare * length_s;
   if (longest_ < excusing && !often) return "";
-  return "this program was kept waiting for up to " + in_ms(longest_) + ", " + in_ms(total_) +
-         " in all";
+  return "this program was kept waiting for up to " + in_ms(longest_) + " at a time, and for " +
+         in_ms(total_) + " in total";
 }
 
 Result<void> LatenessMeter::write(std::span<const std::uint8_t> bytes) {

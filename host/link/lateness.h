@@ -22,33 +22,33 @@ class LatenessMeter final : public Link, public Clock {
   // Smallest delay that is added to total(). Shorter delays are normal (timer slack, context switches).
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
   // Thresholds of excuse(). A single delay is an excuse if it is at least kExcusing. The sum of all delays is
-  // an excuse if two conditions are met. It is at least kExcusing, and it exceeds the share kExcusingShare of
-  // the time since begin().
+  // an excuse if the sum reaches kExcusing and exceeds the fraction kExcusingShare of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions
   // also fail and the process was late each time, the result is undecided.
   static constexpr int kRepetitions = 3;
 
-  // Returns how far the other end of the link has fallen behind in total. The other end must be a program on
-  // this machine. Fails if that program does not reply because it is stopped or has ended.
+  // Returns the total time by which the program at the other end of the link (a simulator) lags behind real
+  // time. The program must run on the same machine as this process. If the program is stopped or has ended,
+  // it does not reply, and the function fails.
   using TimeLost = std::function<Result<Time>()>;
   // `link` and `clock` must outlive this object. `other_end` may be null.
   LatenessMeter(Link& link, Clock& clock, TimeLost other_end = nullptr);
 
   // Starts a new measurement and discards all earlier delays.
   void begin();
-  // Excludes the time since the last call of this object from the measurement. Call this function after the
-  // program has waited for user input.
+  // The time from the previous call of a member function to this call does not count as a delay. Call this
+  // function after the program has waited for user input.
   void waited() { left_ = clock_.now(); }
   // longest() returns the longest delay since begin(). total() returns the sum of all delays above kNoticed
   // since begin().
   Time longest() const { return longest_; }
   Time total() const { return total_; }
-  // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms,
-  // ...". Returns an empty text if this process was on time; a failure is then the board's fault. The
-  // measured operation tolerates delays shorter than `at_least`. So such delays are never an excuse, not even
-  // many of them together.
+  // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms
+  // ...". Returns an empty text if both this process and the program at the other end were on time; a failure
+  // is then the board's fault. The measured operation tolerates delays shorter than `at_least`. So such
+  // delays are never an excuse, not even many of them together.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() found that the program at the other end does not reply. If the result is true,
   // further repetitions are useless.
@@ -76,9 +76,9 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt`. A failed attempt is repeated, up to kRepetitions times, if this process was late by at
-// least the time `bears` during the attempt. An attempt tolerates any shorter delay. If `meter` is null,
-// there is only one attempt.
+// Calls `attempt`. If `attempt` fails and meter->excuse(bears) explains the failure by a delay, the attempt
+// is repeated, at most kRepetitions times. An attempt tolerates delays shorter than `bears`. If `meter` is
+// null, there is only one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

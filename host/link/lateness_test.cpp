@@ -88,7 +88,8 @@ TEST_F(Lateness, ASleepThatEndsLate) {
   stall_next(milliseconds(34));
   EXPECT_TRUE(meter_.sleep_until(milliseconds(1010)));
   EXPECT_EQ(meter_.longest(), milliseconds(34));
-  EXPECT_EQ(meter_.excuse(), "this program was kept waiting for up to 34 ms, 34 ms in all");
+  EXPECT_EQ(meter_.excuse(),
+            "this program was kept waiting for up to 34 ms at a time, and for 34 ms in total");
   meter_.begin();
   EXPECT_EQ(meter_.excuse(), "");
 }

@@ -19,7 +19,8 @@ class LineBridge {
   LineBridge(PortLink& board, PortLink& far, const Interrupt& interrupt, Report report);
 
   // Runs until interrupted. Tries to reopen a lost side every 50 ms and drops all bytes for this side in the
-  // meantime. Link failures do not end the bridge, except failures with Fault::usage, which run() returns.
+  // meantime. If a link fails with Fault::usage, run() returns this failure. Other link failures do not end
+  // the bridge.
   Result<void> run();
 
   // Returns a text such as "12345 bytes to the board, 23456 back, 12 dropped".

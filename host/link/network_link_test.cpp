@@ -222,8 +222,9 @@ TEST(TcpLink, EachFailureHasItsSentence) {
     unused = port_of(listener->get());
     const auto twice = listen_tcp("127.0.0.1", unused);
     ASSERT_FALSE(twice);
-    EXPECT_EQ(twice.error().message, "another program listens on 127.0.0.1:" +
-                                         std::to_string(unused) + ": end it, or give another port");
+    EXPECT_EQ(twice.error().message,
+              "another program listens on 127.0.0.1:" + std::to_string(unused) +
+                  ": end that program, or give another port");
   }
   const auto refused = TcpLink::open({PortKind::tcp, "127.0.0.1", unused});
   ASSERT_FALSE(refused);

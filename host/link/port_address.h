@@ -36,8 +36,8 @@ Result<PortAddress> parse_port_address(const std::string& option, std::string_vi
 // Returns whether the text starts with one of the four prefixes. A text without such a prefix can be a path,
 // even if the text contains a colon.
 bool names_port_kind(std::string_view text);
-// Returns the command-line option for a port, for commands that a message suggests. For the name
-// "/dev/ttyUSB0", the option is "--robot serial:/dev/ttyUSB0".
+// Returns the command-line option that selects a port. Messages that suggest a command contain this option.
+// For the name "/dev/ttyUSB0", the option is "--robot serial:/dev/ttyUSB0".
 std::string robot_option(std::string_view port_name);
 
 }  // namespace kaz::host

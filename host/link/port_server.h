@@ -27,9 +27,9 @@ namespace kaz::host {
 // agreement, the client's bytes are dropped and the client's commands are ignored.
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
-// next read() executes the command. So the caller must write the bytes from read() to `board` before it calls
-// read() again, as LineBridge does. The server changes the bit rate and the modem lines only after
-// board.drained() has returned true. If the port does not send a client's bytes within 5 s, the server
+// next read() executes the command. So after each read(), the caller must forward the bytes to `board`, and
+// only then call read() again. LineBridge does so. The server changes the bit rate and the modem lines only
+// after board.drained() has returned true. If the port does not send a client's bytes within 5 s, the server
 // disconnects the client. All bytes that a client sent before leaving reach `board`, even if the client left
 // without reading.
 class PortServer final : public PortLink {

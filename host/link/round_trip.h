@@ -22,9 +22,9 @@ struct RoundTripStatistics {
 //   Each further R:      RTTVAR = 3/4 RTTVAR + 1/4 |SRTT - R|, SRTT = 7/8 SRTT + 1/8 R.
 //   RTO = SRTT + 4 RTTVAR, within [shortest, longest].
 //
-// Round trips of repeated requests are ignored (Karn's algorithm). The timeout doubles with each retry. The
-// larger timeout stays in use until a request is answered at its first transmission (RFC 6298, sections 3 and
-// 5.5 to 5.7).
+// Round trips of repeated requests are ignored (Karn's algorithm). The timeout doubles with each retry. After
+// a retry, the doubled timeout remains. The timeout is computed again when a request is answered at its first
+// transmission (RFC 6298, sections 3 and 5.5 to 5.7).
 class RoundTrip {
  public:
   struct Bounds {

@@ -36,9 +36,10 @@ Result<void> set_serial_rate(int descriptor, const std::string& path, int baud);
 std::string group_with_access(const std::string& path);
 
 // Returns the error message for a port that the user may not open. If `group` (from group_with_access()) is
-// not empty, the message suggests that the user joins this group. If `group` is empty, the message suggests a
-// udev rule for the USB adapter. If `vendor` and `product` are empty, too, the message suggests chmod.
-// `vendor` and `product` are hexadecimal USB numbers, as in sysfs.
+// not empty, the message suggests that the user joins this group. If `group` is empty, but `vendor` and
+// `product` are not empty, the message suggests a udev rule for the USB adapter. If `group` and at least one
+// of `vendor` and `product` are empty, the message suggests chgrp and chmod. `vendor` and `product` are
+// hexadecimal USB numbers, as in sysfs.
 std::string permission_sentence(const std::string& path, const std::string& vendor,
                                 const std::string& product, const std::string& group);
 

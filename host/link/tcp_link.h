@@ -13,7 +13,8 @@ namespace kaz::host {
 
 class TcpLink final : public PortLink {
  public:
-  // Returns the errors of connect_tcp (tcp_socket.h). `interrupt` may be null; else it must outlive the link.
+  // Fails with the same errors as connect_tcp() (tcp_socket.h). `interrupt` may be null; else it must outlive
+  // the link.
   static Result<std::unique_ptr<TcpLink>> open(const PortAddress& address,
                                                const Interrupt* interrupt = nullptr);
 
@@ -24,8 +25,8 @@ class TcpLink final : public PortLink {
   int descriptor() const override { return stream_.descriptor(); }
   bool has_unsent() const override { return stream_.has_unsent(); }
   Result<void> write(std::span<const std::uint8_t> bytes) override { return stream_.write(bytes); }
-  // Returns the errors of ByteStream. Also fails (environment) if the first bytes from the other end are
-  // telnet commands.
+  // Fails with the same errors as ByteStream::read(). Also fails (environment) if the first bytes from the
+  // other end are telnet commands.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   Result<void> reopen() override;
 

@@ -141,8 +141,9 @@ Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port) {
   int error = 0;
   const auto addresses = look_up(host, port, AI_PASSIVE, error);
   if (!addresses)
-    return fail(Fault::usage, "cannot listen on " + host + " (" + gai_strerror(error) +
-                                  "): give 127.0.0.1, or one of `ip address`");
+    return fail(Fault::usage,
+                "cannot listen on " + host + " (" + gai_strerror(error) +
+                    "): give 127.0.0.1, or an address that the command `ip address` lists");
   Descriptor fd(socket(addresses->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
   setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -150,7 +151,7 @@ Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port) {
     return fd;
   if (errno == EADDRINUSE)
     return fail(Fault::environment,
-                "another program listens on " + place + ": end it, or give another port");
+                "another program listens on " + place + ": end that program, or give another port");
   if (errno == EACCES)
     return fail(Fault::environment,
                 "port " + std::to_string(port) +
@@ -158,7 +159,9 @@ Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port) {
   if (errno == EADDRNOTAVAIL)
     return fail(
         Fault::usage,
-        host + " is not an address of this machine: give 127.0.0.1, or one of `ip address`");
+        host +
+            " is not an address of this machine: give 127.0.0.1, or an address that the command "
+            "`ip address` lists");
   return fail(Fault::environment, "cannot listen on " + place + ": " + std::strerror(errno));
 }
 

@@ -22,8 +22,8 @@ Result<Descriptor> connect_tcp(const std::string& name, const std::string& host,
 // in use, or if the port is below 1024 and the user has no permission. Fails (usage) if this machine does not
 // have the address.
 Result<Descriptor> listen_tcp(const std::string& host, std::uint16_t port);
-// Returns the next client's socket and its address in `peer`: "192.168.1.4:51234". If no client waits or
-// accept() fails, returns an empty descriptor and sets errno.
+// Returns the next client's socket and its address in `peer`: "192.168.1.4:51234". If no client is waiting,
+// or if accept() fails, returns an empty descriptor and sets errno.
 Descriptor accept_tcp(int listener, std::string& peer);
 // Returns the port of a listening socket. For a socket that was opened with port 0, returns the port that the
 // kernel selected.

@@ -48,19 +48,20 @@ struct Command {
 };
 
 // Parser of a telnet stream that accepts pieces of any size and keeps the order of data and commands. The
-// parser never needs more memory than the largest piece.
+// parser's memory holds the data bytes that take_data() has not returned yet, and at most one command.
 class Reader {
  public:
-  // Maximum data of one command. Longer commands are dropped and counted.
+  // Maximum number of data bytes in one command. A command with more data bytes is dropped and counted.
   static constexpr std::size_t kMaxData = 64;
 
   // Parses `wire` up to the end of the next command, and returns that command; nullopt if `wire` ends before
   // the end of a command. Removes the parsed bytes from `wire`.
   std::optional<Command> take(std::span<const std::uint8_t>& wire);
-  // Returns the data bytes parsed since the last call. If the last call of take() returned a command, all
-  // these bytes came before the command.
+  // Returns the data bytes parsed since the last call of take_data(). If the last call of take() returned a
+  // command, the returned data bytes precede that command in the stream.
   std::vector<std::uint8_t> take_data();
-  // Number of sub-negotiations that were dropped: too long, for another option, or broken off.
+  // Number of sub-negotiations that were dropped because they were too short, too long, broken off, or not
+  // for COM-PORT-OPTION.
   std::uint64_t dropped() const { return dropped_; }
 
  private:

@@ -13,9 +13,9 @@ namespace kaz::host {
 
 class TtyLink final : public PortLink {
  public:
-  // Returns the errors of open_serial_port (serial_port.h). `interrupt` may be null. If `interrupt` is not
-  // null, it must outlive the link, and an interrupt request makes `read` fail. Deadlines are on WallClock's
-  // scale.
+  // Fails with the same errors as open_serial_port() (serial_port.h). `interrupt` may be null. If `interrupt`
+  // is not null, it must outlive the link, and an interrupt request makes `read` fail. Deadlines are on
+  // WallClock's scale.
   static Result<std::unique_ptr<TtyLink>> open(const std::string& path, int baud = 115200,
                                                const Interrupt* interrupt = nullptr);
   TtyLink(const TtyLink&) = delete;
@@ -31,13 +31,14 @@ class TtyLink final : public PortLink {
   bool has_unsent() const override { return stream_.has_unsent(); }
   bool drained() const override;
   void purge(bool received, bool unsent) override;
-  // Fails if the port is lost, or if more than 64 KiB would be unsent.
+  // Fails if the port is lost. Also fails if `bytes` and the bytes that are still unsent exceed 64 KiB
+  // together.
   Result<void> write(std::span<const std::uint8_t> bytes) override;
   // Fails if the port disappears during use (adapter unplugged, or the simulator at the other end has ended).
   // After such a failure, every call fails until reopen() succeeds.
   Result<std::size_t> read(std::span<std::uint8_t> bytes, Time deadline) override;
   // Opens the same USB adapter again, even if its path has changed (serial_identity.h). If the port has no
-  // USB adapter, opens the old path again. While the port is missing, fails with the error of open().
+  // USB adapter, opens the old path again. While the port is missing, fails (environment).
   Result<void> reopen() override;
 
  private:

@@ -36,9 +36,9 @@ struct FloorView {
 
 // Input of a view: rectified left image, its planes, and the pose of the foot. If `depth` and `map` are not
 // null, additional pixels can count as floor. An additional pixel must show a place that is floor on the map.
-// The depth of the pixel must agree with the floor or be missing. These pixels matter on planks: stereo
-// measures no depth at edges that are parallel to the picture's rows. All references must outlive this
-// object.
+// The depth of the pixel must agree with the floor or be missing. On a floor of planks, the additional pixels
+// matter: stereo measures no depth at edges that are parallel to the picture's rows. All references must
+// outlive this object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`
@@ -61,8 +61,9 @@ struct FloorShift {
   // direction.
   std::optional<Eigen::Vector2d> unknown_along;
 };
-// Search range, which should be the largest expected error of odometry. Larger values than 64 mm and 6
-// degrees have no effect.
+// Search range, which should be the largest expected error of odometry. Even if `shift_m` is larger, shifts
+// along an axis of the map are limited to 64 mm. Even if `turn_rad` is larger, turns are limited to 6
+// degrees.
 struct FloorSearch {
   double shift_m = 0.064, turn_rad = 6 * kDegree;
 };
@@ -76,14 +77,16 @@ class FloorMatcher {
   double floor_in_common(const FloorView& before);
   // Returns the correction, or nothing if there is no clear match. A clear match has at least 0.12 m^2 in
   // common and a correlation of at least 0.4. The peak of the correlation must be inside the search range
-  // `within`. The shifts next to the peak must also have enough common floor. On planks, the shift along the
-  // grain is unknown if the correlation hardly falls in that direction.
+  // `within`. If the peak's shift is increased or decreased by two cells along either axis, the two views
+  // must still have at least 0.12 m^2 in common. On planks, the shift along the grain is unknown if the
+  // correlation hardly falls in that direction.
   std::optional<FloorShift> match(const FloorView& before, const FloorSearch& within = {});
   // Returns the view at the picture's assumed pose.
   const FloorView& view() { return turned(0); }
 
  private:
-  // Returns the view of the picture turned by this number of quarter degrees.
+  // Turns the picture's assumed pose about `pivot_` by `quarters` times 0.25 degrees, and returns the view at
+  // the turned pose.
   const FloorView& turned(int quarters);
   FloorView moved(double turn_rad, const Eigen::Vector2d& shift) const;
 

@@ -44,7 +44,7 @@ Result<LocalMap> LocalMap::make(const LocalMapOptions& o) {
       o.robot_m <= o.obstacle_m)
     return fail(Fault::usage,
                 "local map: farthest_m, drop_m, obstacle_m, robot_m and disparity_error_px must be "
-                "above 0, own_m at least 0, and robot_m above obstacle_m");
+                "above 0; own_m must be at least 0; robot_m must be above obstacle_m");
   return LocalMap(o);
 }
 

@@ -1,10 +1,10 @@
 // Selects the directions in which the robot's eyes see the most unknown floor.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Greedy next-best-view selection: repeatedly chooses the candidate whose view contains the most unknown
-// floor, weighted by the distance from the path. Floor in a chosen view no longer counts for the other
-// candidates. The selection stops when no view contains enough unknown floor. A view ends at the first
-// obstacle of the map.
+// Greedy next-best-view selection: repeatedly chooses the candidate whose view contains the largest weighted
+// area of unknown floor. Unknown floor near the path has the full weight; other unknown floor has a smaller
+// weight. Floor in a chosen view no longer counts for the other candidates. The selection stops when no view
+// contains enough unknown floor. A view ends at the first obstacle of the map.
 //
 // Map frame. Units: m, rad; directions are relative to Viewpoint::heading_rad, positive to the left.
 #pragma once

@@ -1,11 +1,12 @@
 // Estimates the robot's pose from odometry and from repeated views of the same floor pattern.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Extended Kalman filter over the present pose and copies of past poses, from which the floor was seen.
-// Odometry widens the covariance of the present pose. A match of two floor views measures the present pose
-// relative to a past pose. The match corrects both poses according to their uncertainty. A match is rejected
-// if its deviation is too large for the uncertainty of both poses. The two views of a rejected match usually
-// show different planks, or different squares, that look alike. Source: Roumeliotis and Burdick, "Stochastic
+// Extended Kalman filter. The filter's state contains the present pose and copies of past poses. At each of
+// these past poses, a view of the floor was taken. Odometry widens the covariance of the present pose. A
+// match of two floor views measures the present pose relative to a past pose. The match corrects both poses
+// according to their uncertainty. A match is rejected if the relative pose from the match deviates by more
+// than 4 sigma from the relative pose that the filter expects. The two views of a rejected match usually show
+// different planks, or different squares, that look alike. Source: Roumeliotis and Burdick, "Stochastic
 // cloning: a generalized framework for processing relative state measurements", ICRA 2002.
 //
 // Map frame. Poses are (x, y, heading): m, rad. A relative pose is in the frame of its reference pose, with x
@@ -36,9 +37,9 @@ class PoseFilter {
   Eigen::Vector3d remembered(int number) const { return mean_.segment<3>(3 + 3 * number); }
   // Returns the covariance of the present pose relative to the remembered pose `number`.
   Eigen::Matrix3d covariance_from(int number) const;
-  // Enters a measurement of the present pose relative to the remembered pose `number`. Returns false and
-  // changes nothing if the measurement deviates by more than 4 sigma (chi-squared with three degrees of
-  // freedom, 99.9 %).
+  // Enters a measurement of the present pose relative to the remembered pose `number`. If the measurement
+  // deviates by more than 4 sigma from the relative pose that the filter expects, returns false and changes
+  // nothing. The limit is the 99.9 % quantile of chi-squared with three degrees of freedom.
   bool measure(int number, const Eigen::Vector3d& relative, const Eigen::Matrix3d& covariance);
 
   Eigen::Vector3d pose() const { return mean_.head<3>(); }

@@ -9,10 +9,10 @@
 //
 //   u = limit * tanh(W2 tanh(W1 x + b1) + b2),   x: kInputs inputs of order 1, u: kOutputs outputs
 //
-// The robot is symmetric, so the network is made symmetric, too. With the mirror matrices M of the inputs and
-// N of the outputs, the correction is (u(x) + N u(M x)) / 2. The weights are in learned_balance.inc, written
-// by ./tools/dev study train-balance (docs/explanation/motion.md#balance). Units: m, s, rad. Frames and signs
-// are the same as in gait.h.
+// The robot is symmetric, so the network is made symmetric, too. The matrix M mirrors the inputs, and the
+// matrix N mirrors the outputs. The correction is (u(x) + N u(M x)) / 2. The weights are in
+// learned_balance.inc, written by ./tools/dev study train-balance (docs/explanation/motion.md#balance).
+// Units: m, s, rad. Frames and signs are the same as in gait.h.
 #pragma once
 
 #include <optional>
@@ -27,13 +27,13 @@
 
 namespace kaz::motion {
 
-// Correction of the gait. The default changes nothing.
+// Correction of the gait. The default values leave the gait unchanged.
 struct Correction {
   double phase_rate = 1;  // factor on the speed of the phase
   double roll = 0;        // rad, added to the gait's roll of the trunk; positive to the right
   double lift = 1;        // factor on the height to which a swinging foot is lifted
   double stride = 1;      // factor on the length of the strides
-  double height = 0;      // m, added to the stance's height of the hips
+  double height = 0;      // m, added to the height of the hips (Stance::z)
   double lean = 0;        // rad, added to the trunk's lean; positive forward
 };
 

@@ -9,16 +9,17 @@
 // vertical. The legs have no yaw joint either. The robot turns by sliding its two soles in opposite
 // directions during double support.
 //
-// Zero moment point criterion: the planned center of mass moves sideways by c(t) = C sin(2 pi phase) from the
-// middle of the feet. The height of the center of mass is h. The cart-table model (Kajita and others, 2003,
-// equation 3) concentrates the whole mass at the center of mass. In this model, the zero moment point (ZMP)
-// is p = c - (h/g) c''. With the sine c(t), the ZMP is also a sine:
+// Zero moment point criterion: c(t) is the planned sideways distance of the center of mass from the middle of
+// the feet. This distance is a sine: c(t) = C sin(2 pi phase). The height of the center of mass is h. The
+// cart-table model (Kajita and others, 2003, equation 3) concentrates the whole mass at the center of mass.
+// In this model, the zero moment point (ZMP) is p = c - (h/g) c''. Since c(t) is a sine, the ZMP p(t) is also
+// a sine:
 //   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
-// edge of this sole must be at least `margin`. A swing is centered on the peak of the sine and lasts for the
-// share `swing` of the cycle. At the beginning and at the end of a swing, the sine therefore has this value:
-//   sin(2 pi phase) = cos(pi swing).
+// edge of this sole must be at least `margin`. A swing lasts for a share of the cycle, `swing`. In the middle
+// of a swing, |p(t)| has its maximum. So at the beginning and at the end of a swing, the following is true:
+//   |sin(2 pi phase)| = cos(pi swing).
 // The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole.
 // These conditions determine the amplitude of the trunk's roll, which roll_for() computes.
 #pragma once
@@ -46,8 +47,9 @@ JointAngles home();
 struct Feet {
   double left_forward = 0, left_lift = 0, right_forward = 0, right_lift = 0;
 };
-// Sets the leg angles so that both soles are parallel to the floor. A position out of reach is replaced by
-// the nearest reachable position on the line from the hip.
+// Sets the leg angles so that both soles are parallel to the floor. If the wanted position of an ankle is out
+// of reach, the leg is extended from the hip toward that position. If a joint of a leg would exceed a limit,
+// the angles of that leg stay unchanged.
 void place_legs(JointAngles& angles, const Stance& stance, const Feet& feet);
 
 // Returns the center of mass for this stance, relative to the midpoint of the ankles, m.
@@ -78,10 +80,10 @@ struct Steps {
   double left = 0, right = 0;  // m, length of each foot's stride relative to the hips
   // Sliding amplitude of each foot, m; positive if the robot turns to the left.
   double reach = 0;
-  double lean = 0;    // rad, added to the stance's pitch of the trunk; positive forward
+  double lean = 0;    // rad, added to the trunk's pitch (Stance::pitch); positive forward
   double roll = 0;    // rad, added to the gait's roll of the trunk; positive to the right
   double lift = 1;    // factor on the height to which a swinging foot is lifted
-  double height = 0;  // m, added to the stance's height of the hips
+  double height = 0;  // m, added to the height of the hips (Stance::z)
 };
 // Returns the joint angles at a phase. The arms have the angles of home(). `roll`: amplitude of the trunk's
 // roll, from roll_for().

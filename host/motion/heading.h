@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The gyro is fixed to the trunk, which leans by pitch and roll. So the gyro measures the rate about the
-// trunk's z axis. While only yaw changes, this rate is the rate about the vertical times cos(pitch)
-// cos(roll).
+// trunk's z axis. While only yaw changes, the gyro's rate is the product of three factors: the yaw rate about
+// the vertical, cos(pitch), and cos(roll).
 //
 // A Kalman filter with two states estimates the heading and the gyro's zero together. The gyro's zero is
 // modeled as a random walk. Each sample that is taken while the robot stands measures this zero. The filter
@@ -27,8 +27,8 @@ class Heading {
 
   double rad() const { return heading_; }
   // Standard deviation of the rotation since the first sample. The value includes the noise, the error of the
-  // measured zero, and the drift of the zero. The value does not include the errors from lean and shaking of
-  // the trunk during walking, which the class Motion adds.
+  // measured zero, and the drift of the zero. The value does not include the errors that lean and shaking of
+  // the trunk cause during walking. The class Motion adds these errors.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
   // Total time of the samples that measured the zero, s.

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Units: m, rad. Frame: trunk (x forward, y left, z up). There are no yaw joints. A leg has 4 degrees of
-// freedom (position of the ankle, pitch of the foot), an arm has 3 (position of the grasp). A limb has fewer
-// than 6 degrees of freedom, so the other angles of its foot or hand cannot be chosen.
+// freedom (position of the ankle, pitch of the foot), an arm has 3 (position of the grasp). So the caller
+// cannot choose roll and yaw of a foot, and cannot choose the orientation of a hand.
 #pragma once
 
 #include <optional>

@@ -5,8 +5,8 @@
 // returned leg targets to the board. The ramps to these targets should last until the next cycle. Targets for
 // head and arms come from the caller, so that one exchange() with the board sends all targets. The gait
 // assumes that the arms are near the angles of home(). Commands may come at any time. The stride of a foot
-// changes only at the moment at which the foot passes below the hips. Between walking and turning, the robot
-// first returns to standing, which takes about one cycle.
+// changes only at the moment at which the foot passes below the hips. To change from walking to turning, or
+// from turning to walking, the robot first stops and stands. The stop takes about one cycle.
 //
 // With a gyro (Posture::inertial, after Robot::sense_inertial()), the heading is measured and held. Without a
 // gyro, the heading is estimated from the strides. The estimate is rough, because rotation depends on the
@@ -54,8 +54,8 @@ class Motion {
   explicit Motion(const Settings& settings = {});
 
   // Walks `distance` m ahead (negative: back). During the walk, the robot holds a heading: the present
-  // heading plus `turned` rad. Unequal strides of the two feet correct errors of the heading, by a few
-  // degrees per gait cycle at most.
+  // heading plus `turned` rad. If the measured heading differs from the heading to hold, the two feet make
+  // unequal strides. Unequal strides turn the robot by at most a few degrees per gait cycle.
   void walk(double distance, double turned = 0);
   // Walks until stop(). `stride`: m, at most Settings::stride; negative: back. `heading`: the heading to
   // hold, rad.

@@ -7,9 +7,11 @@
 //    "poses": [{"time_s": 0, "angles_rad": {"r_sh_pitch": 0}},
 //              {"time_s": 1.5, "angles_rad": {"r_sh_pitch": -0.8, "neck_pan": 0.3}}]}
 //
-// A pose can contain only some of the joints. Each joint moves from one pose that contains this joint to the
-// next. Before the first of these poses and after the last one, the joint does not move. A joint that is in
-// no pose never moves.
+// A pose can contain only some of the joints. A pose has no effect on a joint that the pose does not contain.
+// Between two successive poses that contain a joint, the joint moves from its angle in the earlier pose to
+// its angle in the later pose. Before the first pose that contains a joint, the joint does not move. After
+// the last pose that contains a joint, the joint stays at its last angle. A joint that is in no pose never
+// moves.
 #pragma once
 
 #include <cstddef>

@@ -33,8 +33,8 @@ class Pickup {
   int hand_joint() const { return hand_ == Side::left ? host::l_hand : host::r_hand; }
   // Returns the target angle of the closing hand, rad.
   double closed() const { return closed_; }
-  // Returns a limit for the angle of the hand joint, rad. The angle increases while the hand closes. If the
-  // ball is in the hand, the hand stops at this angle or at a smaller angle.
+  // Returns the largest angle of the hand joint at which the ball can be in the hand, rad. The angle of the
+  // hand joint increases while the hand closes. If the angle exceeds stopped(), the ball is not in the hand.
   double stopped() const { return stopped_; }
 
   // Returns the angles of legs, arms and hands (not of the neck). Before time 0, returns the first pose.

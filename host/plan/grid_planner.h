@@ -6,13 +6,14 @@
 // the next heading on either side. The cost is time.
 //
 // The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
-// heading. The heuristic never exceeds the time of a path, for two reasons. First, no path turns less than
-// the heuristic assumes. A path with a step straight toward the goal turns to the goal's direction. A path
-// without such a step turns past the goal's direction. Second, every path is at least as long as the distance
-// to the goal. So A* finds the fastest path on this graph.
+// heading. The heuristic never exceeds the time of a path, for two reasons. First, on every path, the robot
+// turns to the direction of the goal or beyond this direction. So the turns of a path take at least as long
+// as the turns in the heuristic. Second, every path is at least as long as the distance to the goal. So A*
+// finds the fastest path on this graph.
 //
 // If PlanOptions::any_heading is true, straight lines of any heading then replace parts of the path. A line
-// must be free of obstacles. Dynamic programming over pairs of corners, with time as cost, selects the lines.
+// must be free of obstacles. Dynamic programming over pairs of points on the path selects the lines that take
+// the least time.
 #pragma once
 
 #include <memory>
@@ -21,7 +22,7 @@
 
 namespace kaz::plan {
 
-// The exhaustive search uses no heuristic. Tests compare both searches.
+// The exhaustive search uses no heuristic. Tests compare the results of `astar` and `exhaustive`.
 enum class Search { astar, exhaustive };
 
 // The planner keeps allocated memory between calls. Use a separate planner in each thread.

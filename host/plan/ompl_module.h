@@ -1,4 +1,4 @@
-// Loads the OMPL planner from a module when it is selected.
+// If the user selects the OMPL planner, loads this planner from a module.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A program linked with OMPL needs 10 ms at each start to load OMPL's libraries (docs/decisions.md, 100). So
@@ -21,7 +21,7 @@ struct OmplModule {
 };
 inline constexpr const char* kOmplModuleSymbol = "kaz_ompl_module";
 
-// Returns the path of the running program's module.
+// Returns the path of lib/kaz/ompl_planner.so in the installation of the running program.
 std::string ompl_module_path();
 // Loads the module at `path`, and returns the result of the module's make_ompl_planner(). The module stays
 // loaded. Further errors (environment): the module or a library that it needs is missing, or the module

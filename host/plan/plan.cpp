@@ -75,7 +75,9 @@ std::string text(const NoPath& none, const PlanOptions& options) {
       return place(
           "the robot is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m to turn");
     case NoPath::Why::goal_blocked:
-      return place("the goal is %.2f m from an obstacle at (%.3f, %.3f); the robot needs %.2f m");
+      return place(
+          "the goal is %.2f m from an obstacle at (%.3f, %.3f); the robot needs a distance of at "
+          "least %.2f m");
     case NoPath::Why::not_found:
       return place(
           "the planner found no path within its sample limit. The widest way to the goal passes "
@@ -87,7 +89,7 @@ std::string text(const NoPath& none, const PlanOptions& options) {
   }
   return place(
       "the widest way to the goal passes %.2f m from the obstacle at (%.3f, %.3f); the robot needs "
-      "%.2f m");
+      "a distance of at least %.2f m");
 }
 
 }  // namespace kaz::plan

@@ -71,7 +71,8 @@ struct Goal {
 struct PlanOptions {
   double turn_s_per_rad = 6.6 / (45 * kDegree);
   double go_s_per_m = 6.6 / 0.33;
-  // Radius of the robot's disc. The disc includes the hands in the posture of the crouch, and 2 cm of sway.
+  // Radius of the robot's disc. The disc covers the crouching robot, hands included. The radius contains a
+  // margin of 2 cm for the sway of the robot.
   double radius_m = 0.16;
   // The time spent in unknown cells is multiplied by this factor, 1 or more. If the factor is infinite,
   // unknown cells are obstacles.
@@ -90,11 +91,12 @@ struct Leg {
 struct Path {
   std::vector<Leg> legs;                 // legs of zero length are omitted
   std::vector<Eigen::Vector2d> corners;  // start, turning points, goal
-  // Duration of the path, s. PlanOptions::unknown_factor is not applied.
+  // Duration of the path, s. The time in unknown cells is not multiplied by PlanOptions::unknown_factor.
   double seconds = 0;
   // Duration of the path on the planner's graph, before straight lines replace parts of the path, s.
-  // PlanOptions::unknown_factor is applied. The grid planner's path leads from cell center to cell center. So
-  // `seconds` can exceed `searched_seconds` by up to the time to walk the diagonal of one cell.
+  // The time in unknown cells is multiplied by PlanOptions::unknown_factor. The grid planner's path leads
+  // from cell center to cell center. So `seconds` can exceed `searched_seconds` by up to the time to walk the
+  // diagonal of one cell.
   double searched_seconds = 0;
   std::size_t expanded = 0;  // number of states that the search expanded
 };
@@ -104,20 +106,21 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // Position of the obstacle in the way. For enclosed and not_found: the planner considers the way to the
-  // goal on which the widest robot could walk. The obstacle is beside the narrowest place of this way. For
-  // start_outside and goal_outside: the position of the start or the goal.
+  // Position of the obstacle in the way. For enclosed and not_found: the obstacle nearest to the narrowest
+  // place on the widest way to the goal. The widest way is the way whose narrowest place is farthest from
+  // obstacles. For start_outside and goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
   // Distance from the obstacle at `where` to the start (start_blocked), to the goal (goal_blocked), or to the
   // narrowest place (enclosed, not_found).
   double clear_m = 0;
 };
 // Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs
-// 0.16 m".
+// a distance of at least 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
-// Returns the center of the floor cell nearest to `to` that the robot can reach from `from` by steps between
-// neighboring cells. Returns nothing if the robot cannot stand at `from`, or if no floor is reachable.
+// Searches the floor cells that the robot can reach from `from` by steps between neighboring cells. Returns
+// the center of the reachable floor cell that is nearest to `to`. Returns nothing if the robot cannot stand
+// at `from`, or if no floor is reachable.
 std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
                                                  const Eigen::Vector2d& to,
                                                  const PlanOptions& options);

@@ -111,8 +111,10 @@ TEST_P(EachPlanner, SaysWhatIsInTheWayOfStartOrGoal) {
     const Planned none = planned(grid, {from, 0}, {to, {}});
     return std::holds_alternative<NoPath>(none) ? text(std::get<NoPath>(none), {}) : "a path";
   };
-  EXPECT_EQ(why({0.3, 0}, {1.25, 0.12}),
-            "the goal is 0.07 m from an obstacle at (1.255, 0.205); the robot needs 0.16 m");
+  EXPECT_EQ(
+      why({0.3, 0}, {1.25, 0.12}),
+      "the goal is 0.07 m from an obstacle at (1.255, 0.205); the robot needs a distance of at "
+      "least 0.16 m");
   EXPECT_EQ(
       why({1.25, 0.12}, {0.3, 0}),
       "the robot is 0.07 m from an obstacle at (1.255, 0.205); the robot needs 0.16 m to turn");

@@ -73,7 +73,8 @@ class BoardGroup::Links final : public Link {
 
  private:
   static Result<void> no_bytes() {
-    return fail(Fault::usage, "this is only possible with one board: give the port of one board");
+    return fail(Fault::usage,
+                "raw bytes can only be exchanged with one board: give the port of one board");
   }
   BoardGroup& group_;
 };
@@ -311,8 +312,8 @@ Result<void> check_boards(std::span<const RobotBoard> boards) {
   for (const RobotBoard& board : boards) {
     if (board.joints == 0 || (board.joints & ~kAllJoints) != 0)
       return fail(Fault::usage,
-                  "a board has no joints, or a board has a joint that Kaz does not have: give each "
-                  "board its joints");
+                  "each board must have at least one joint, and only joints that Kaz has: give the "
+                  "joints of each board");
     if (const std::uint32_t twice = all & board.joints)
       return fail(Fault::usage,
                   "two boards drive " + joint_names_of(twice) + ": assign each joint to one board");

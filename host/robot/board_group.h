@@ -8,7 +8,8 @@
 //   reference's ticks through host time (clock_relation.h).
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
 //   interpolated between the last two states, or extrapolated by at most kMaxAhead. The error of these angles
-//   is the joint's speed times a time error of 0.1 ms to 1 ms. The two clock relations cause the time error.
+//   is the joint's speed times a time error of 0.1 ms to 1 ms. The time error has two causes: the error of
+//   the reference's clock relation, and the error of the clock relation of the board that drives the joint.
 // - The group sets a status flag if any board sets this flag, with two exceptions. The group sets ENABLED
 //   only if each board whose motors should be on sets ENABLED. The group sets UNLOCKED only if each board
 //   sets UNLOCKED.
@@ -38,8 +39,8 @@ class BoardGroup final : public Exchanger {
  public:
   // Maximum time by which angles are extrapolated.
   static constexpr Time kMaxAhead = std::chrono::milliseconds(10);
-  // Maximum time between two states for an interpolation of angles. If the states are further apart, the
-  // latest angle is used.
+  // Maximum time between two states for an interpolation of angles. If the last two states are further apart
+  // than kMaxBetween, the group uses the angle of the latest state, without interpolation.
   static constexpr Time kMaxBetween = std::chrono::milliseconds(100);
 
   // Requires at least one board, and each joint on exactly one board (check_boards). `clock` and all links
@@ -52,14 +53,16 @@ class BoardGroup final : public Exchanger {
   Result<std::optional<Reply>> collect(Ticket ticket, Time deadline) override;
   Result<Reply> exchange_at_once(const Request& request) override;
   Result<void> send(const Request& request) override;
-  // Listens to the first board only, because a group of boards cannot request telemetry.
+  // Reads from the link of the first board only. The group rejects requests for telemetry, so no board sends
+  // telemetry frames.
   Result<bool> listen(Time deadline) override;
   void on_telemetry(Telemetry) override {}
   void start_anew() override;
   void limit_tries(std::optional<int> tries) override;
   const LinkStatistics& statistics() const override;
   std::string recent_frames() const override;
-  // Returns a link that supports only name() and reopen(), which reopens all lost links.
+  // Returns a link that supports only name() and reopen(). On this link, reopen() reopens the lost links of
+  // all boards.
   Link& link() override;
   std::string failed_name() override;
   std::span<const std::uint8_t> noise() const override;

@@ -276,9 +276,10 @@ TEST(Boards, EachJointIsOnOne) {
             "no board drives neck_pan: assign each joint to a board");
   EXPECT_EQ(sentence(kUpper, kLower | 2),
             "two boards drive neck_tilt: assign each joint to one board");
-  EXPECT_EQ(sentence(kAllJoints, 0),
-            "a board has no joints, or a board has a joint that Kaz does not have: give each board "
-            "its joints");
+  EXPECT_EQ(
+      sentence(kAllJoints, 0),
+      "each board must have at least one joint, and only joints that Kaz has: give the joints "
+      "of each board");
 }
 
 TEST(Boards, AMissingBoardIsNamed) {

@@ -34,8 +34,8 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
     return {Fault::environment,
             "no board answers on " + port +
                 ": check that the robot is powered, the cable is plugged in, no other program has "
-                "the port open, and the baud rate is the board's (115200); after an interrupted "
-                "update the board waits in its loader (kaz flash)" +
+                "the port open, and the baud rate is the board's (115200). After an interrupted "
+                "update, the board waits in its loader: run `kaz flash write`" +
                 for_servos(port)};
   }
   if (statistics.ignored > before.ignored) {
@@ -47,13 +47,14 @@ Error no_board(const Exchanger& requester, const LinkStatistics& before, const s
   const auto zero = [](std::uint8_t byte) { return byte == 0; };
   if (!noise.empty() && std::all_of(noise.begin(), noise.end(), zero)) {
     return {Fault::environment,
-            "on " + port + " " + came +
-                "; all bytes are zero: a chip in boot mode answers like this, for example after an "
-                "interrupted update; run `kaz flash write`"};
+            port + ": " + came +
+                ", and all bytes are zero; a chip in boot mode answers with zeros, for example "
+                "after an interrupted update: run `kaz flash write`"};
   }
   return {Fault::environment, "the device on " + port +
-                                  " is not a Kaz board, or it has another baud rate: " + came +
-                                  (noise.empty() ? "" : ": " + hex(noise, 16))};
+                                  " is not a Kaz board, or its baud rate differs from the "
+                                  "port's: " +
+                                  came + (noise.empty() ? "" : ": " + hex(noise, 16))};
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ Result<kz_identify_reply> identify_board(Exchanger& requester) {
   if (reply.refused || version < 0 || (spoken && !whole)) {
     return fail(Fault::environment,
                 "the device on " + port +
-                    " frames its bytes like a Kaz board but does not identify itself: " +
+                    " sends frames like a Kaz board, but no valid reply to `identify`: " +
                     hex({reply.fields.bytes.data(), reply.fields.length}, 16));
   }
   if (!spoken) {
@@ -118,9 +119,9 @@ std::string board_text(const kz_identify_reply& identity) {
 std::string firmware_fault(const kz_identify_reply& identity) {
   constexpr int kStopsAlways = 3;  // protocol version
   if (identity.protocol_version >= kStopsAlways) return "";
-  return "its firmware (protocol " + std::to_string(identity.protocol_version) +
-         ") can acknowledge a repeated stop request and leave the motors on; flash the firmware of "
-         "this release";
+  return "the firmware (protocol " + std::to_string(identity.protocol_version) +
+         ") can acknowledge a repeated stop request without switching the motors off; flash the "
+         "firmware of this release";
 }
 
 }  // namespace kaz::host

@@ -47,9 +47,9 @@ TEST(Connect, NothingAnswers) {
   EXPECT_EQ(
       connect_error(board),
       "no board answers on test-port: check that the robot is powered, the cable is plugged in, no "
-      "other program has the port open, and the baud rate is the board's (115200); after an "
-      "interrupted update the board waits in its loader (kaz flash); for a servo bus use `kaz bus "
-      "status --robot feetech:test-port`");
+      "other program has the port open, and the baud rate is the board's (115200). After an "
+      "interrupted update, the board waits in its loader: run `kaz flash write`; for a servo bus "
+      "use `kaz bus status --robot feetech:test-port`");
 }
 
 // `kaz flash run` on a busy machine: 61 ms of lateness excuse no silent board, and repeat nothing. A board
@@ -110,8 +110,8 @@ TEST(Connect, AChipInBootModeAnswersZeros) {
     return TestBoard::Bytes{};
   };
   EXPECT_EQ(connect_error(board),
-            "on test-port 6 bytes came, but no reply; all bytes are zero: a chip in boot mode "
-            "answers like this, for example after an interrupted update; run `kaz flash write`");
+            "test-port: 6 bytes came, but no reply, and all bytes are zero; a chip in boot mode "
+            "answers with zeros, for example after an interrupted update: run `kaz flash write`");
 }
 
 TEST(Connect, TheLineEchoes) {
@@ -148,9 +148,10 @@ TEST(Connect, TheVersionBefore) {
   Requester requester(board, board, {});
   const auto identity = identify_board(requester);
   ASSERT_TRUE(identity) << identity.error().message;
-  EXPECT_EQ(firmware_fault(*identity),
-            "its firmware (protocol 2) can acknowledge a repeated stop request and leave the "
-            "motors on; flash the firmware of this release");
+  EXPECT_EQ(
+      firmware_fault(*identity),
+      "the firmware (protocol 2) can acknowledge a repeated stop request without switching the "
+      "motors off; flash the firmware of this release");
   board.to_host = nullptr;
   const auto present = identify_board(requester);
   ASSERT_TRUE(present) << present.error().message;

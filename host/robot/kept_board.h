@@ -36,7 +36,7 @@ struct BoardState {
   bool shared_line = false;  // other boards share the board's line
   std::uint8_t watchdog_10ms = 0, reaction = 0;
   bool flash = false;             // the calibration in flash was read
-  std::uint16_t stored_copy = 0;  // number of the stored copy; 0: no calibration is stored
+  std::uint16_t stored_copy = 0;  // sequence number of the calibration in flash; 0: none is stored
   std::array<KeptJoint, KZ_JOINTS> joints{};
   bool operator==(const BoardState&) const = default;
 };
@@ -49,22 +49,23 @@ Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
 // loads the calibration in flash only at a reset.
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
-// Returns the end of a message about a newly stored calibration. This text names the command that erases the
-// calibration. If the firmware has no image (`kaz sim --mcu native`), the text states how long the
+// Returns text to append to a message about a newly stored calibration. This text names the command that
+// erases the calibration. If the firmware has no image (`kaz sim --mcu native`), the text states how long the
 // calibration lasts instead.
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address);
 
 struct PutBackOptions {
   // Timeout of put_back(). A board in its loader does not answer for 3 s. A write to flash takes up to 3 s.
-  // The default covers both.
+  // The default is longer than the stay in the loader and the write to flash together.
   Time patience = std::chrono::seconds(8);
   // True: the program may have changed the address or the flash, so put_back() first resets the board, and
   // searches for the board at all addresses.
   bool flash = false;
   // True: put_back() first resets the board. The reset clears a latched shutdown. `flash` implies `reset`.
   bool reset = false;
-  bool motors_off = true;  // false: put_back() does not switch motors off
+  // False: put_back() switches motors off only if `flash` or `reset` is true.
+  bool motors_off = true;
   // True: put_back() restores watchdog, gains, limits and calibration in RAM.
   bool settings = true;
   // Addresses of other boards on the line, which put_back() does not change.
@@ -72,9 +73,11 @@ struct PutBackOptions {
 };
 
 struct PutBack {
-  std::uint8_t found_at = 0;      // the board's address at the start; 0: not found
-  std::uint16_t status = 0;       // status of the board at the end
-  std::vector<std::string> done;  // items that were restored, such as "address 3 to 1"
+  std::uint8_t found_at = 0;  // the board's address at the start; 0: not found
+  std::uint16_t status = 0;   // status of the board at the end
+  // Items that were restored. Example: "address 3 to 1" means that put_back() changed the address from 3 to
+  // 1.
+  std::vector<std::string> done;
   // Items that were not restored. If `left` is empty, the board has its saved state again. With
   // PutBackOptions::motors_off, an empty `left` also means that the board has confirmed that all motors are
   // off.

@@ -13,7 +13,7 @@ class PostureHistory {
  public:
   // Maximum age of a posture relative to the newest; older postures are removed.
   static constexpr Time kSpan = std::chrono::seconds(5);
-  // Maximum time between a query and the nearest posture.
+  // Maximum difference between the time that at() looks up and the time of the nearest posture.
   static constexpr Time kReach = std::chrono::milliseconds(100);
 
   // Adds a posture. First removes the entries that have the same time as `posture` or a later time. The

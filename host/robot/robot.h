@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Real and emulated boards have the same interface (section 3 of the paper, see README.md). A call that
-// queries the board blocks until the reply arrives. Every error message is one sentence with the cause of the
-// failure. Possible causes: the board stopped replying, the link is lost, the program was interrupted, or the
+// queries the board blocks until the reply arrives. Every error message states the cause of the failure.
+// Possible causes: the board stopped replying, the link is lost, the program was interrupted, or the
 // board refused the request (with joint and reason). An argument out of range is a usage error. Not
 // thread-safe.
 //
@@ -12,16 +12,18 @@
 // sends heartbeats during the wait.
 //
 // Reconnection starts if the port disappears, no reply comes, the board was reset, or the board's watchdog
-// expired. The call that detects the loss searches for the board, for at most the time
+// expired. The call that detects the loss searches for the board. The search lasts at most
 // ConnectOptions::reconnect. Once the board is found, the call restores watchdog, gains and limits, and
-// enables the joints that were on. The target of each enabled joint becomes its present angle, so the robot
-// does not move. Motions in progress are discarded. The result of the interrupted call depends on the
+// enables the joints that were on. The target of each enabled joint becomes the joint's present angle, so the
+// robot does not move. Motions in progress are discarded. The result of the interrupted call depends on the
 // function:
-// - exchange() and receive_cycle() return the present posture. The targets are not sent again.
+// - exchange() and receive_cycle() return the present posture. The targets are not sent again. send_cycle()
+//   returns success, and the next receive_cycle() returns the present posture.
 // - set_targets, set_calibration, store_calibration, raw_drive, reset, start_loader and set_address fail; the
 //   error message explains that the link was lost. The robot remains usable.
-// - All other calls are repeated once and return the new result. This result does not show that there was a
-//   reconnection. Use take_resumption() to detect the reconnection.
+// - If a function is neither in this list nor disable_all(), the function repeats its requests once and
+//   returns the result of the repetition. This result does not show whether the link was reconnected. Use
+//   take_resumption() to detect the reconnection.
 //
 // If the board has shut down for any reason other than its link watchdog, no joint is enabled, and the call
 // fails.
@@ -108,7 +110,8 @@ class Robot {
   Result<kz_heartbeat_reply> heartbeat(Time watchdog = Time::zero(),
                                        std::optional<Reaction> reaction = std::nullopt);
   Result<Health> health();
-  // Returns fault_sentence() for `status`, with the joint or voltage from a `health` query.
+  // Queries the board's health and returns fault_sentence() for `status`. The sentence contains the joint
+  // that caused the shutdown, or the supply voltage if the voltage caused the shutdown.
   std::string describe_fault(std::uint16_t status);
   // Returns the board's counters, which start at 0 after each reset of the board.
   Result<kz_statistics_reply> board_statistics();
@@ -144,7 +147,7 @@ class Robot {
   // Allows bench requests for `seconds` (1..60); 0 forbids bench requests again.
   Result<void> unlock(int seconds);
   // Drives one motor open loop at a duty of -1..1 for 1 ms..2 s. Call unlock() before this function. Returns
-  // the board's tick after which the motor starts.
+  // the board's tick at the time of the request; the motor starts at the next tick.
   Result<std::uint32_t> raw_drive(int joint, double duty, Time duration);
   // Resets the board and waits until the board answers. Gains and limits return to their defaults. The link
   // watchdog keeps the time limit and the reaction that were set through this object.
@@ -157,8 +160,8 @@ class Robot {
 
   // ---- The link
 
-  // Returns and removes the oldest reconnection that was not returned yet; nullopt if there is no such
-  // reconnection.
+  // Each reconnection is appended to a queue. take_resumption() returns the oldest reconnection and removes
+  // it from the queue. If the queue is empty, take_resumption() returns nullopt.
   std::optional<Resumption> take_resumption();
   // Measured posture at time `t`, interpolated between the two nearest states. Returns nullopt if `t` is
   // outside the history (the last 5 s) or more than 100 ms from any state.

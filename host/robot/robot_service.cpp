@@ -180,9 +180,11 @@ Result<void> Robot::subscribe(Time period, std::uint8_t selection) {
   const kz_telemetry message{period_ms.value_or(0), selection};
   if (!period_ms || (*period_ms != 0 && *period_ms < KZ_TELEMETRY_PERIOD_MIN_MS) ||
       kz_check_telemetry(&message) != KZ_IN_BOUNDS) {
-    return fail(Fault::usage,
-                "the telemetry period must be 5 ms to 65 s, or 0 for no telemetry, and the "
-                "selection must be a sum of values KZ_TELEMETRY_*");
+    return fail(
+        Fault::usage,
+        "the telemetry period must be 5 ms to 65 s, or 0 for no telemetry; the selection "
+        "must be a sum of different values among KZ_TELEMETRY_STATE, KZ_TELEMETRY_COMMANDS, "
+        "KZ_TELEMETRY_DRIVES and KZ_TELEMETRY_HEALTH");
   }
   const auto reply =
       parts_->query(KZ_TYPE_telemetry, message, kz_pack_telemetry, kz_unpack_telemetry_reply);

@@ -73,7 +73,8 @@ struct JointCalibration {
 };
 
 struct Calibration {
-  std::uint8_t source = 0;     // KZ_CALIBRATION_*: source of the values at board start
+  // KZ_CALIBRATION_*: the source from which the board loaded its calibration at start.
+  std::uint8_t source = 0;
   std::uint16_t sequence = 0;  // number of the stored copy; 0: no calibration is stored
   // Erase cycles of the two flash blocks; each block is rated for 100.
   int erases_a = 0, erases_b = 0;
@@ -127,10 +128,10 @@ struct Resumption {
   Cause cause = Cause::link;
   Time lost{};            // time at which the loss was detected
   Time resumed{};         // time at which requests were answered again
-  bool reported = false;  // true: ConnectOptions::on_lost was called
+  bool reported = false;  // true: ConnectOptions::on_lost, if set, was called
 };
 
-// A lost link, as reported at the start of the search for the board.
+// Description of a lost link; the argument of ConnectOptions::on_lost.
 struct Loss {
   Resumption::Cause cause = Resumption::Cause::link;
   Time at{};        // time at which the loss was detected
@@ -140,15 +141,15 @@ struct Loss {
 
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
-  int retries = 5;  // number of tries after the first one
+  int retries = 5;  // maximum number of times that a request without a reply is sent again
   // Time limit of the board's link watchdog, 10 ms..1 s; zero leaves limit and reaction unchanged. With a
   // limit of 90 ms, the board reacts within 100 ms after the last request that it received.
   Time watchdog = std::chrono::milliseconds(90);
   Reaction reaction = Reaction::hold;
   // Time limit of reconnection. Zero: there is no reconnection, and a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
-  // Called before the search for the board, once for each link that does not answer. Not called if the board
-  // answers at once. After an expired watchdog, the board usually answers at once.
+  // Called at most once for each lost link: when a request fails, or when the first attempt to reconnect
+  // fails. If only the board's watchdog expired, and the board still answers, on_lost is not called.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};

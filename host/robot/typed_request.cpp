@@ -47,7 +47,8 @@ std::string outside_limits(int joint, std::span<const JointTarget> targets) {
 std::string out_of_range(const kz_refused& refusal) {
   if (refusal.request == KZ_TYPE_calibrate) {
     return "the calibration of " + joint_name(refusal.detail) +
-           " is too far from nominal: at most 0.5 rad for the center and 25 % for the scale";
+           " is too far from nominal: the center may differ by at most 0.5 rad, "
+           "and the scale by at most 25 %";
   }
   const kz_message_info* message = kz_message_find(refusal.request);
   if (!message || refusal.detail >= message->field_count) return "a value is out of range";
@@ -64,7 +65,8 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
                                       ": its firmware is older than this program"};
     case KZ_REFUSED_LENGTH:
       return {Fault::environment, "the board refused " + request +
-                                      " because of its length: firmware and program do not match"};
+                                      ", because the request has the wrong length: "
+                                      "firmware and program do not match"};
     case KZ_REFUSED_RANGE:
       return {Fault::failed, "the board refused " + request + ": " + out_of_range(refusal)};
     case KZ_REFUSED_LIMIT:
@@ -79,7 +81,7 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
                   "; fix the cause, then clear the shutdown"};
     case KZ_REFUSED_BUSY:
       return {Fault::environment,
-              "the board refused " + request + ": the board is still sending the previous reply"};
+              "the board refused " + request + ": the board is still busy with earlier requests"};
     case KZ_REFUSED_ARMED:
       return {Fault::failed,
               "the board refused " + request + " while a motor is on: switch all joints off first"};
@@ -90,7 +92,8 @@ Error refusal_error(const kz_refused& refusal, std::span<const JointTarget> targ
               ": the request is only valid while the bench is unlocked; unlock the bench first"};
     case KZ_REFUSED_SHARED_LINE:
       return {Fault::failed, "the board refused " + request +
-                                 ": other boards share its line; query the board instead"};
+                                 ": a board sends no telemetry on a line that other boards share; "
+                                 "query the board"};
     case KZ_REFUSED_STORE:
       return {Fault::environment, "the board refused " + request +
                                       ": its flash could not be written; the previous contents are "

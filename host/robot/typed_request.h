@@ -43,8 +43,8 @@ Result<Message> read_reply(const Reply& reply, u8 (*unpack)(Message*, const u8*,
   Message message{};
   if (!unpack(&message, reply.fields.bytes.data(), reply.fields.length)) {
     return fail(Fault::environment,
-                "the board sent a reply with the wrong length for its type: firmware and program "
-                "do not match; update the older of the two");
+                "the board sent a reply whose length does not fit the reply's type: firmware and "
+                "program do not match; update the older of the two");
   }
   return message;
 }

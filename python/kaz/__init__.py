@@ -32,7 +32,10 @@ if _share.is_dir():
 
 
 def _what_to_do(error):
-    """Returns a message if numpy or the compiled module is missing, and None for other errors."""
+    """Returns a message if numpy is missing, or if Kaz has no compiled module for this Python.
+
+    Returns None for other errors.
+    """
     folder = _pathlib.Path(__file__).absolute().parent
     this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
     modules = sorted(module.name for module in folder.glob("_kaz.*.so"))
@@ -43,7 +46,7 @@ def _what_to_do(error):
         built_for = f"Python {tag[1]}.{tag[2]}" if tag else ""
     if (error.name or "").split(".")[0] == "numpy":
         other = f"use {built_for}, or " if built_for and built_for != this else ""
-        return f"kaz needs numpy, which {this} does not have: {other}install numpy for this Python"
+        return f"kaz needs numpy, but {this} has no numpy: {other}install numpy for this Python"
     if any((folder / f"_kaz{suffix}").exists() for suffix in _machinery.EXTENSION_SUFFIXES):
         return None
     if modules:

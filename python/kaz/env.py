@@ -348,10 +348,12 @@ class VectorEnv(_VectorEnv):
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
                  episode_s=None, pictures=None, **simulation):
         if task is None:
-            raise TypeError(f"task=None: give one of {', '.join(TASKS)}, or an object with the same members")
+            raise TypeError(
+                f"task=None: give one of {', '.join(TASKS)}, or an object with the members of kaz.env.Stand")
         if isinstance(task, str) and task not in TASKS:
             raise UsageError(
-                f"no task '{task}': give one of {', '.join(TASKS)}, or an object with the same members")
+                f"no task '{task}': give one of {', '.join(TASKS)}, or an object with the members of "
+                "kaz.env.Stand")
         if autoreset_mode not in AUTORESET_MODES:
             raise UsageError(f"autoreset_mode '{autoreset_mode}': give one of {', '.join(AUTORESET_MODES)}")
         if pictures is not None and pictures not in PICTURES:
@@ -461,7 +463,8 @@ class VectorEnv(_VectorEnv):
         return observations, rewards, terminations, truncations, infos
 
     def render(self):
-        raise UsageError("render: not supported; give pictures=, or watch a run with kaz run --view")
+        raise UsageError(
+            "render: not supported; give the argument `pictures`, or watch a run with `kaz run --view`")
 
     def close(self, **_):
         self.batch = None
@@ -490,7 +493,10 @@ class VectorEnv(_VectorEnv):
 
 
 class Env(_Env):
-    """One robot, with Gymnasium's interface of a single environment. Accepts the arguments of VectorEnv."""
+    """One robot, with the interface of gymnasium.Env.
+
+    Accepts the arguments of VectorEnv, except num_envs, threads and autoreset_mode.
+    """
 
     metadata = {"render_modes": []}
     render_mode = None

@@ -139,10 +139,12 @@ class Recording:
         encoding, name, text = self._schema(topic)
         dtype = None if encoding == "json" else _Schema(text).dtype()
         if dtype is None:
-            raise UsageError(f"array: the messages of '{topic}' ({name}) differ in size; use messages()")
+            raise UsageError(f"array: the messages of '{topic}' ({name}) have no fixed size; use messages()")
         times, data = self._file.joined(topic)
         if len(data) != len(times) * dtype.itemsize:
-            raise UsageError(f"messages of '{topic}' do not have the size of {name} in this version of Kaz")
+            raise UsageError(
+                f"array: the size of the messages of '{topic}' differs from the size of {name} in this "
+                "version of Kaz")
         table = numpy.frombuffer(data, dtype)
         made = numpy.empty(len(times), [("time", "<f8")] + [(n, dtype.fields[n][0]) for n in dtype.names])
         made["time"] = 1e-9 * times

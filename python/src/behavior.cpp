@@ -48,8 +48,9 @@ std::map<std::string, std::string> settings_of(const py::dict& given) {
 
 py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   if (behavior::names_plugin(name))
-    raise({Fault::usage, "run_behavior: " + name + ": plug-ins run as `kaz run " + name +
-                             "`; give a name from kaz.behaviors()"});
+    raise({Fault::usage, "run_behavior: `" + name +
+                             "` is a plug-in: run the plug-in with `kaz run " + name +
+                             "`, or give a name from kaz.behaviors()"});
   py::dict arguments(given);
   tools::SessionOptions session;
   const bool named = arguments.contains("world");

@@ -83,7 +83,8 @@ class PythonRobot {
     backend.robot_file = robot_file;
     backend.address = address;
     backend.needs_camera = false;
-    if (port == "sim") raise({Fault::usage, "Robot('sim'): pass a Simulation instead"});
+    if (port == "sim")
+      raise({Fault::usage, "Robot('sim'): 'sim' is not a port; pass a Simulation"});
     port_ =
         value_of(released([&] { return tools::SessionBackend::open(backend, lock_.interrupt()); }));
     robot_.emplace(value_of(released([&] {

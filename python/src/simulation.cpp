@@ -106,9 +106,8 @@ py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
   const Eigen::Vector3d eye(from.data()), target(at.data());
   if (!eye.allFinite() || !target.allFinite() || (target - eye).head<2>().norm() < 1e-6)
     raise({Fault::usage,
-           "picture: `from_` and `at` must be finite positions in m that differ in x or y: the "
-           "camera "
-           "cannot look straight up or down"});
+           "picture: `from_` and `at` must be finite positions in m, and must differ in x or y, "
+           "because the camera cannot look straight up or down"});
   sim::View view;
   view.camera = sim::Pinhole::from_horizontal_view(width, height, view_rad);
   view.world_from_optical = sim::look_at(eye, target);

@@ -56,7 +56,7 @@ class Import(unittest.TestCase):
     def test_no_numpy(self):
         without = "import sys; sys.modules['numpy'] = None; import kaz"
         self.assertEqual(self.sentence(without, BUILT.parent),
-                         f"ImportError: kaz needs numpy, which {THIS} does not have: "
+                         f"ImportError: kaz needs numpy, but {THIS} has no numpy: "
                          "install numpy for this Python")
         self.fill(*(path.name for path in BUILT.iterdir() if path.name != "built_for.txt"))
         (self.package / "built_for.txt").write_text("/opt/bin/python3 (Python 3.11)\n")

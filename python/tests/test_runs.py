@@ -62,7 +62,7 @@ class Behavior(unittest.TestCase):
             kaz.Recording(__file__)
         with self.assertRaises(kaz.UsageError):
             kaz.run_behavior("fly")
-        with self.assertRaisesRegex(kaz.UsageError, "plug-ins run as `kaz run ./kick.so`"):
+        with self.assertRaisesRegex(kaz.UsageError, "is a plug-in: run the plug-in with `kaz run ./kick.so`"):
             kaz.run_behavior("./kick.so")
         with self.assertRaises(kaz.UsageError):
             kaz.run_behavior("stand", settings={"seconds": "many"}, mcu="native")

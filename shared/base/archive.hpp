@@ -70,8 +70,8 @@ inline constexpr double kMaxArchived = 1e15;
 // years.
 inline constexpr std::int64_t kMaxArchivedTime = std::int64_t{1} << 58;
 
-// Returns whether a time or counter is within the limit. Two values outside the limit are also valid and mean
-// "never".
+// Returns whether a time or counter is within the limit. Also returns true for the maximum of std::int64_t
+// and for half of this maximum: these two values mean "never".
 constexpr bool is_archivable(std::int64_t number) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   return number == kMax || number == kMax / 2 ||
@@ -97,8 +97,8 @@ class StateArchive {
     (one(values), ...);
   }
 
-  // Returns the first error; empty if there was no error. The text continues a sentence that begins with the
-  // archive's name.
+  // Returns the first error; empty if there was no error. The words "it" and "its" in the text mean the
+  // archive, so the caller must name the archive before the text.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
   // Records an error. After the first error, further errors are ignored.
@@ -166,7 +166,7 @@ class StateArchive {
         if (!self.holds(size)) return;
         value.clear();
         // Adds the elements one by one instead of allocating memory for all elements first. Reason: `size`
-        // may be wrong, and an element can need more memory than its bytes in the archive.
+        // may be wrong, and an element can be larger in memory than in the archive.
         for (; size > 0 && good(); --size) {
           value.push_back({});
           one(value.back());
@@ -193,7 +193,8 @@ class StateWriter : public StateArchive<StateWriter> {
     for (std::size_t i = 0; i < sizeof value; ++i)
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   }
-  // Writes the bytes in memory of a C struct without pointers. Only the same build can read these bytes.
+  // Copies the memory of a C struct into the archive. The struct must not contain pointers. Only the same
+  // build can read these bytes.
   template <class T>
   void plain(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -17,9 +17,9 @@
 
 namespace kaz {
 
-// Maximum nesting depth. The files of Kaz have fewer levels than this maximum. The functions of
-// nlohmann::json that copy, compare or print a document are recursive, with one call per level. The stack has
-// room for only a few thousand levels.
+// Maximum nesting depth of a JSON text. The JSON files of Kaz have fewer levels than kJsonDepthMax. The
+// functions of nlohmann::json that copy, compare or print a document are recursive, with one call per level.
+// The stack has room for only a few thousand levels.
 inline constexpr std::size_t kJsonDepthMax = 64;
 
 enum class JsonComments { refused, ignored };
@@ -83,7 +83,8 @@ class Guard final : public nlohmann::json_sax<Json> {
 }  // namespace bounded_json_detail
 
 // Parses a JSON text. Returns Fault::usage for invalid JSON, too many levels, duplicate keys, or a number
-// too large for a double. The error message continues a sentence that begins with the name of the source.
+// too large for a double. The error message does not name the source of the text; the caller must add the
+// name.
 template <class Json = nlohmann::json>
 Result<Json> parse_bounded_json(std::string_view text,
                                 JsonComments comments = JsonComments::refused) {

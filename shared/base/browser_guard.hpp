@@ -3,8 +3,8 @@
 //
 // Cross-protocol request: a web page can make the user's browser send any body to any TCP port that this
 // machine reaches, including 127.0.0.1. With DNS rebinding, the page can also choose the HTTP method. The
-// method can be any token of RFC 9110, even text that is valid in GDB's protocol. A server of raw bytes
-// would ignore the HTTP header as noise and execute the body.
+// method can be any token of RFC 9110, even text that is valid in GDB's protocol. If a server does not speak
+// HTTP, the server may skip the HTTP header as noise and then execute the body as commands.
 //
 // So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The guard
 // admits a connection only if the first bytes could come from a client of the port.
@@ -19,7 +19,7 @@
 
 namespace kaz {
 
-// Message for the user, after the client's name.
+// Message for the user. The caller writes the client's name before this text.
 inline constexpr std::string_view kBrowserRefused =
     "was disconnected: it began as a web browser may, and not as a client of this port does; "
     "nothing "
@@ -43,8 +43,8 @@ class BrowserGuard {
   explicit BrowserGuard(Peer peer) : peer_(peer) {}
 
   // Checks the next received bytes. Returns the bytes to pass on, or nullopt if the peer may be a browser.
-  // The caller must then close the connection. The result is valid until the next call, and as long as
-  // `bytes` is valid. As long as the first GDB packet is incomplete, the result is empty. There is no timeout
+  // The caller must then close the connection. Use the result before the next call of admit(), and only while
+  // `bytes` exists. As long as the first GDB packet is incomplete, the result is empty. There is no timeout
   // for the first packet.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
     if (admitted_ || bytes.empty()) return bytes;

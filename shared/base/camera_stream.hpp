@@ -1,7 +1,8 @@
 // Wire format of stereo pairs that one process publishes to others, for example `kaz sim --cameras PATH`.
 // SPDX-License-Identifier: Apache-2.0
 //
-// PATH is a Unix stream socket on which the publisher listens. The publisher sends to each connected reader
+// PATH is a Unix stream socket on which the publisher listens. The publisher sends the following data to each
+// connected reader:
 //   CameraStreamHeader, then for each pair: CameraStreamPair, left picture, right picture
 //
 // A picture is width * height * 3 bytes of RGB, rows from top to bottom, without padding. Numbers are
@@ -10,9 +11,9 @@
 // docs/reference/camera-stream.md.
 //
 // The publisher sends a pair as soon as the pair is drawn and never waits for a slow reader. The publisher
-// skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should use a pair
-// only from the time `exposure_ns + latency_ns` on. Then the time that the publisher needs to draw the pair
-// has no effect.
+// skips whole pairs for a slow reader; gaps in `sequence` show the skipped pairs. A reader should not use a
+// pair before the time `exposure_ns + latency_ns`. With this rule, all pairs have the same delay, even if the
+// publisher draws some pairs more slowly than others.
 #ifndef KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 #define KAZ_SHARED_BASE_CAMERA_STREAM_HPP
 
@@ -25,7 +26,7 @@ namespace kaz {
 inline constexpr char kCameraStreamMagic[4] = {'K', 'A', 'Z', 'C'};
 inline constexpr char kCameraPairMagic[4] = {'P', 'A', 'I', 'R'};
 inline constexpr std::uint32_t kCameraStreamVersion = 1;
-// Pixels; readers reject larger pictures.
+// Maximum width and maximum height of a picture in pixels. Readers reject larger pictures.
 inline constexpr std::uint32_t kCameraStreamMaxSide = 4096;
 
 struct CameraStreamHeader {
@@ -39,7 +40,7 @@ struct CameraStreamHeader {
 };
 
 struct CameraStreamPair {
-  // kCameraPairMagic. Any other value means that the reader has lost synchronization.
+  // kCameraPairMagic. If a reader finds a different value here, the reader has lost synchronization.
   char magic[4];
   std::uint32_t reserved;    // 0
   std::uint64_t sequence;    // number of the exposure, from 0 at the publisher's start

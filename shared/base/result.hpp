@@ -34,8 +34,9 @@ inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
-// Returns an error with the default fault. This function is for libraries that cannot select a fault, such as
-// the image parsers and the emulator. The caller of the library replaces the fault.
+// Returns an error with Fault::environment. Libraries that do not know the right Fault for a command, such as
+// the image parsers and the emulator, use this function. The caller of the library then replaces
+// Fault::environment with the right Fault.
 inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{.message = std::move(message)});
 }
@@ -56,15 +57,16 @@ T value_of(tl::expected<T, E>&& result) {
 
 }  // namespace kaz
 
-// Evaluates to the value of a Result. If the Result is an error, returns this error from the enclosing
-// function or lambda, whose return type must be a Result of any type:
+// Evaluates to the value of a Result. If the Result is an error, the enclosing function or lambda returns
+// this error. The return type of the enclosing function or lambda must be Result<T> with any T.
+// Examples:
 //
 //   const auto image = KAZ_TRY(load_image(path));  // Result<Image>: image is an Image
 //   KAZ_TRY(robot.enable());                       // Result<void>, or any Result whose value is not used
 //
-// KAZ_TRY evaluates the expression once. Use KAZ_TRY only as a whole initializer or a whole statement, as
-// above. In a larger expression, the return could skip destructors of temporary objects. KAZ_TRY uses a
-// statement expression, an extension of GCC and clang.
+// KAZ_TRY evaluates the expression once. Use KAZ_TRY only as a complete initializer or as a complete
+// statement, as in the two examples. In a larger expression, the return could skip destructors of temporary
+// objects. KAZ_TRY uses a statement expression, an extension of GCC and clang.
 #define KAZ_TRY(...) KAZ_TRY_NUMBERED(__COUNTER__, __VA_ARGS__)
 #define KAZ_TRY_NUMBERED(number, ...) KAZ_TRY_JOINED(number, __VA_ARGS__)
 #define KAZ_TRY_JOINED(number, ...) KAZ_TRY_NAMED(kaz_try_##number, __VA_ARGS__)

@@ -28,7 +28,8 @@
 // Temperature of the motor drivers: 0 °C at code 0, KZ_TEMPERATURE_FULL_DC at full scale.
 #define KZ_ANALOG_TEMPERATURE 14
 // Optional inertial sensors on AN3..AN5; half of AVCC means zero. Boards without inertial sensors ground
-// these pins. The three indices below are free, because no multiplexer input uses them.
+// these pins. The inertial sensors have the indices 15, 22 and 23, because no multiplexer input uses these
+// indices.
 #define KZ_ANALOG_YAW_RATE 15
 #define KZ_ANALOG_FORWARD_FORCE 22
 #define KZ_ANALOG_LEFT_FORCE 23
@@ -50,9 +51,10 @@
 // Converts 0.1 degrees to 100 microradians: pi/1800 * 1e4 = 17.453293. Integer arithmetic gives the
 // same result on the H8 and on the PC.
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
-// Joint angle in the middle of potentiometer code 512, in units of 100 urad, computed from the columns of
-// joints.def. The converter rounds down, so the angle in joints.def is the beginning of code 512, not the
-// middle. The middle is half a code, or 16.19 units, beyond the beginning.
+// Each potentiometer code covers a range of angles. KZ_POT_CENTRE is the joint angle in the middle of the
+// range of code 512, in units of 100 urad. The arguments are the columns `pot_centre` and `sign` of
+// joints.def. Because the converter rounds down, the angle in joints.def is the start of the range of code
+// 512. The distance from the start to the middle of the range is half a code, or 16.19 units.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

@@ -26,10 +26,10 @@ typedef struct kz_board_joint {
 extern const kz_board_joint kz_board_joints[KZ_JOINTS];
 
 // Returns the joint angle at potentiometer code `code` (0..1023) with the nominal calibration, in units of
-// 100 urad. One code is 190/1024 degrees. The converter rounds down, so the angle of a code is the middle of
-// the code's range. Code 512 begins at the angle in joints.def; pot_centre is half a code beyond that angle.
-// Without this offset of half a code, a pair of mirrored servos would err in opposite directions, and the
-// robot would walk in a curve.
+// 100 urad. Each code covers a range of 190/1024 degrees, and the function returns the middle of this range.
+// The range of code 512 starts at the angle in joints.def; kz_board_joint::pot_centre is the middle of this
+// range. With the start of the range instead of the middle, two mirrored servos would err in opposite
+// directions. The robot would then walk in a curve.
 s16 kz_pot_angle(const kz_board_joint* joint, u16 code);
 
 #ifdef __cplusplus

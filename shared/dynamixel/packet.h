@@ -3,10 +3,12 @@
 //
 //   FF FF FD 00 ID LENGTH(2) INSTRUCTION [ERROR] parameters... CRC(2)
 //
-// LENGTH is the size from INSTRUCTION to CRC. A reply has the instruction `status` and an error byte.
+// LENGTH is the size from INSTRUCTION to CRC. In a reply, INSTRUCTION is `status`, and an ERROR byte follows.
+// A request has no ERROR byte.
 //
 // Byte stuffing: from INSTRUCTION on, each FF FF FD is followed by another FD, so no header occurs inside a
-// packet. LENGTH and CRC include the added bytes. The joined replies of fast reads are not stuffed.
+// packet. LENGTH and CRC include the added bytes. A joined reply to a fast read (see kFastHead) has no byte
+// stuffing.
 //
 // Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0". docs/reference/servo-bus.md has the details.
 #pragma once
@@ -110,13 +112,13 @@ class PacketReader {
 
   // Processes one byte. Returns the event that the byte completes, or Event::none.
   Event take(std::uint8_t byte);
-  // Returns the last packet. Valid after Event::packet until the next byte. After Event::bad_checksum,
-  // returns the content of the damaged packet.
+  // After Event::packet, returns the received packet; the content is valid until the next byte. After
+  // Event::bad_checksum, returns the content of the damaged packet.
   const Packet& packet() const { return packet_; }
   // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
   // bytes or a framing error.
   void reset();
-  // Returns whether an incomplete packet, or a part of a possible header, has been received.
+  // Returns true if a packet is incomplete, or if the latest bytes may be the beginning of a header.
   bool inside() const { return !bytes_.empty(); }
   const Counts& counts() const { return counts_; }
 

@@ -93,8 +93,9 @@ class Schedule {
  public:
   Schedule() = default;
   explicit Schedule(std::vector<Fault> faults) : faults_(std::move(faults)) {}
-  // Read a schedule from a file or from text. Error messages contain `path` or `name`, and the line. load()
-  // also rejects a file without faults.
+  // Read a schedule from a file or from text. Error messages of load() contain `path`. Error messages of
+  // parse() contain `name`. A message about an invalid line also contains the number of the line. load() also
+  // rejects a file without faults.
   static Result<Schedule> load(const std::string& path);
   static Result<Schedule> parse(std::string_view text, const std::string& name);
 
@@ -106,7 +107,8 @@ class Schedule {
   std::string text() const;
   // Returns the faults that begin at `end` or later.
   std::vector<Fault> not_begun(Time end) const;
-  // Returns the name of the first fault that only the simulator can inject, or nullopt.
+  // Returns the name of a fault that only the simulator can inject; nullopt if the schedule contains no such
+  // fault.
   std::optional<std::string_view> only_simulated() const;
 
   // Saves or restores the complete state (archive.hpp).
@@ -123,11 +125,11 @@ struct RandomOptions {
   Time length = std::chrono::seconds(10);         // all faults begin within this time
   double per_second = 1;                          // mean rate of faults, 1/s
   Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
-  // Whether the random schedule can contain faults of the line, of joints, and of the board's power.
+  // Each `true` permits one group of faults: faults of the line, of joints, or of the board's power.
   bool line = true, joints = true, power = true;
 };
-// Returns a message such as "1 fault never began, because the run ended before it: at 100 s power_reset", or
-// an empty text if `faults` is empty.
+// Returns a message that lists `faults` as faults that never began. If `faults` is empty, returns an empty
+// text.
 std::string not_begun_text(std::span<const Fault> faults);
 // Draws a schedule. The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);

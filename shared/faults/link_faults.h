@@ -24,16 +24,16 @@ struct LineBytes {
   Time delay{};  // additional delay
 };
 
-// Returns the byte that a receiver gets if its clock differs from the sender's clock. `error`: how much
-// faster the sender's clock is, as a fraction. The byte is 8N1. The receiver samples each bit in the middle,
-// according to its own clock. The line is idle (high) after the byte.
+// Returns the byte that a receiver gets if its clock differs from the sender's clock. `error` is the rate of
+// the sender's clock divided by the rate of the receiver's clock, minus 1. The byte is 8N1. The receiver
+// samples each bit in the middle, according to its own clock. The line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 
 // Random link faults. Not thread-safe.
 class LinkFaults {
  public:
-  // `way` is to_board or to_host. If seed, schedule and sent bytes are the same, the received bytes are the
-  // same.
+  // `way` is to_board or to_host. Two runs with the same seed, the same schedule, and the same bytes
+  // sent at the same times give the same received bytes.
   LinkFaults(std::uint64_t seed, Way way)
       : random_(mix64(seed ^ static_cast<std::uint64_t>(way) << 32)), way_(way) {}
 

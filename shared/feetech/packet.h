@@ -3,7 +3,7 @@
 //
 //   FF FF ID LENGTH CODE parameters... CHECKSUM
 //
-// LENGTH is the number of bytes from CODE to CHECKSUM, which is the number of parameters plus 2. CODE is the
+// LENGTH is the number of bytes from CODE to CHECKSUM: the number of parameters plus 2. CODE is the
 // instruction in a request and the status byte (error bits) in a reply. CHECKSUM is the complement of the low
 // byte of the sum from ID to the last parameter.
 //
@@ -32,7 +32,7 @@ enum class Instruction : std::uint8_t {
   restart = 0x08,      // servos do not reply
   backup = 0x09,       // stores the registers for `restore`
   reset_turns = 0x0A,  // clears the turn counter
-  set_middle = 0x0B,   // the present position becomes 2048, or the value of the 2-byte parameter
+  set_middle = 0x0B,   // the present position becomes the parameter (2 bytes; default 2048)
   sync_read = 0x82,    // parameters: address, length, ids; SCS servos do not support sync_read
   sync_write = 0x83,   // parameters: address, length, then id and data per servo
 };
@@ -75,12 +75,12 @@ class PacketReader {
 
   // Processes one byte. Returns the event that the byte completes, or Event::none.
   Event take(std::uint8_t byte);
-  // The last packet; valid after Event::packet until the next packet.
+  // After Event::packet, returns the received packet. The content is valid until the next Event::packet.
   const Packet& packet() const { return packet_; }
   // Drops an incomplete packet and counts the packet as abandoned. Call reset() after a timeout between
   // bytes or a framing error.
   void reset();
-  // Returns whether an incomplete packet, or a part of a possible header, has been received.
+  // Returns true if a packet is incomplete, or if the latest bytes may be the beginning of a header.
   bool inside() const { return state_ != State::header || headers_ > 0; }
   const Counts& counts() const { return counts_; }
 

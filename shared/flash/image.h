@@ -1,5 +1,6 @@
 // Integrity marks in flash. The loader checks the application's header before starting the application.
-// A host checks the loader's mark, which covers vectors and loader, before erasing anything.
+// Before a host erases flash, the host checks the loader's mark. The loader's
+// mark contains a CRC of vectors and loader.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_FLASH_IMAGE_H
 #define KAZ_SHARED_FLASH_IMAGE_H
@@ -23,7 +24,7 @@ typedef struct kz_image_header {
   u16 board_id;
   u16 version;
   u32 build_id;
-  u32 length;  // size of the application in bytes, from KZ_APPLICATION, including this header
+  u32 length;  // number of bytes from KZ_APPLICATION to the application's end; includes this header
   u8 unused[14];
   u16 crc;  // kz_crc16, start 0xFFFF, over all `length` bytes except this field
 } kz_image_header;

@@ -42,16 +42,16 @@
 // ERASE: the request has the number of the block (1), 0..9.
 #define KZ_WRITER_ERASE 3
 // WRITE: the request has an address (4) and data (whole lines of 32 bytes). The reply has the lower 16 bits
-// of an address (2). If a line failed, the address is that of the first line that failed. If no line failed,
-// the address is the one after the last byte of the data.
+// of an address (2). If a line fails, the writer stops, and the reply has the address of this line. If all
+// lines succeed, the reply has the address of the byte after the data.
 //
 // A request that reaches beyond the end of flash writes nothing to flash.
 //
-// A WRITE to RAM has an address from 00FF0000 to 00FFFFFF. Writes to RAM have only one use: to load the
-// writer's second stage after boot mode, in order and without gaps. Bytes that are already loaded are never
-// overwritten: the writer only compares them with the received bytes. So a repeated request succeeds, and
-// running code never changes. A writer that the loader started refuses every write to RAM. The reply to a
-// write to RAM has the low half of the request's address.
+// A WRITE to RAM has an address from 00FF0000 to 00FFFFFF. After boot mode, the host loads the writer's
+// second stage by writes to RAM, in order and without gaps. Writes to RAM have no other use. Bytes that are
+// already loaded are never overwritten: the writer only compares them with the received bytes. So a repeated
+// request succeeds, and running code never changes. A writer that the loader started refuses every write to
+// RAM. The reply to a write to RAM has the low half of the request's address.
 #define KZ_WRITER_WRITE 4
 // SUM: the request has address (4) and length (4). The reply has CRC-16 (2), sum (2) and sum of sums (2).
 #define KZ_WRITER_SUM 5
@@ -64,13 +64,13 @@
 #define KZ_WRITER_OK 0
 #define KZ_WRITER_DAMAGED 1  // a frame was damaged; the reply's number is 0
 #define KZ_WRITER_UNKNOWN 2  // unknown request
-// The arguments of the request are wrong: a value is out of range, or the payload has a wrong length. An
-// address or a size that is not a multiple of 32 bytes is also wrong. A write that would leave a gap in RAM
-// is wrong, too.
+// The arguments of the request are wrong: a value is out of range, or the payload has a wrong length. The
+// arguments of a WRITE are also wrong if the address or the size of the data is not a multiple of 32 bytes.
+// The address of a WRITE to RAM is wrong if there would be a gap between the loaded bytes and the new bytes.
 #define KZ_WRITER_ARGUMENTS 3
 // The memory is protected. A writer that the loader started protects the blocks of vectors and loader, and
-// all RAM. After boot mode, the writer protects RAM outside the second stage. The writer also refuses bytes
-// that differ from the loaded part of the second stage.
+// all RAM. After boot mode, the writer protects RAM outside the second stage. If a WRITE would change bytes
+// of the second stage that are already loaded, the writer refuses the WRITE.
 #define KZ_WRITER_PROTECTED 4
 #define KZ_WRITER_NOT_ERASED 5   // some cells are not erased after the maximum number of pulses
 #define KZ_WRITER_NOT_WRITTEN 6  // cells have a wrong value after the maximum number of pulses

@@ -47,8 +47,8 @@ class SymbolTable {
   const Symbol* at(std::uint32_t address) const;
   // Returns the nearest source line at or below `address`, or null.
   const SourceLine* line_at(std::uint32_t address) const;
-  // Returns text such as "_main+0x12 (main.c:34)" or "_main". If no symbol is near, returns the address, such
-  // as "0x001234".
+  // Returns text such as "_main+0x12 (main.c:34)" or "_main". If no symbol is at `address` or up
+  // to 0x8000 bytes below `address`, returns only the address, such as "0x001234".
   std::string describe(std::uint32_t address) const;
 
   const std::vector<Symbol>& symbols() const { return symbols_; }
@@ -76,14 +76,15 @@ Result<Image> parse_intel_hex(std::string_view text, const std::string& name);
 // Parses COFF of h8300-hms with symbols and line numbers. Magic: 0x8302 for H8S, 0x8301 for H8/300H; 0x8300,
 // 0x8303 and 0x8304 for 16-bit addresses.
 Result<Image> parse_coff(std::span<const std::uint8_t> bytes, const std::string& name);
-// Parses linked ELF32, big-endian, machine 46, with symbols. Reads the sections with contents or, if no
-// section has contents, the segments.
+// Parses linked ELF32, big-endian, machine 46, with symbols. Reads the contents of the sections. If no
+// section has contents, reads the segments instead.
 Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& name);
 
 enum class Format { automatic, coff, elf, srecord, intel_hex, raw };
 
 struct LoadOptions {
-  // Automatic: the format is detected from the first bytes; raw is never detected.
+  // If `format` is Format::automatic, the format is detected from the first bytes of the file. Format::raw is
+  // never detected.
   Format format = Format::automatic;
   // Address of the first byte of a raw image. The first byte is also the start of the program. For other
   // formats, `address` must be nullopt.

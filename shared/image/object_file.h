@@ -49,7 +49,7 @@ class ObjectFile {
 
  private:
   const std::string& name_;
-  // Total bytes of all segments so far; segments may overlap in the file.
+  // Sum of the sizes of all added segments. A byte of the file that lies in two segments counts twice.
   std::uint64_t contents_ = 0;
 };
 

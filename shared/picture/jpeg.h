@@ -17,14 +17,13 @@ struct JpegSettings {
   bool optimized_tables = true;
 };
 
-// Encodes 8-bit samples. Returns Fault::usage if `pixels` is not valid or a side exceeds 65500 px, or
-// Fault::failed with libjpeg's message.
+// Encodes 8-bit samples. If `pixels` is not valid, has 16-bit samples or has a side of more than 65500 px,
+// returns Fault::usage. If libjpeg fails, returns Fault::failed with libjpeg's message.
 Result<std::vector<std::uint8_t>> encode_jpeg(const PixelView& pixels,
                                               const JpegSettings& settings = {});
 
-// Decodes to 8-bit RGB; gray becomes R = G = B. Returns an error for truncated or damaged data, although
-// libjpeg only warns and fills in pixels. Pictures without Huffman tables (MJPEG of cameras) are decoded
-// with the standard tables.
+// Decodes to 8-bit RGB; gray becomes R = G = B. If libjpeg warns about truncated or damaged data, returns an
+// error. Pictures without Huffman tables (MJPEG of cameras) are decoded with the standard tables.
 Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {});
 
 }  // namespace kaz::picture

@@ -20,7 +20,8 @@ struct PngSettings {
 
 // Encodes a picture. With the same versions of libpng and zlib, equal pixels and settings give equal bytes.
 // 16-bit samples may represent any quantity, so the samples are stored unchanged, without a gamma chunk.
-// Returns Fault::usage if `pixels` is not valid, or Fault::failed with libpng's message.
+// If `pixels` is not valid, returns Fault::usage. If libpng fails, returns Fault::failed with libpng's
+// message.
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels,
                                              const PngSettings& settings = {});
 

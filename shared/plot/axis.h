@@ -16,7 +16,7 @@ class Axis {
   // Position of an end of a linear axis.
   enum class End {
     exact,      // at the given value
-    margin,     // 2 % of the range beyond the given value, so that data do not touch the frame
+    margin,     // a gap of 2 % of the range separates the given value from the end
     whole_step  // at the next multiple of the tick step
   };
 

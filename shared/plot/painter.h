@@ -38,7 +38,7 @@ class Painter {
   virtual ~Painter() = default;
   virtual void rectangle(const Rectangle& area, Color fill, double alpha) = 0;
   virtual void line(std::span<const Point> points, Color color, double width_px, bool dashed) = 0;
-  // Draws discs as one shape, so overlapping parts are not darker.
+  // Draws all discs as one shape. If two discs overlap, the common area is not darker than the rest.
   virtual void dots(std::span<const Point> centers, Color color, double diameter_px,
                     double alpha) = 0;
   virtual void text(Point baseline, const std::string& text, const TextStyle& style) = 0;

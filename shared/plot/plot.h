@@ -20,8 +20,9 @@ struct Series {
   enum class Style { line, dashed, points };
   std::string label;  // text in the legend; empty: no entry
   Color color;
-  // Coordinates of the points; x and y have equal lengths. A point that is not finite, or not positive on a
-  // logarithmic axis, is not drawn and interrupts the line.
+  // Coordinates of the points; x and y have equal lengths. If x or y is not finite, the point is not drawn.
+  // If the x axis is logarithmic, a point with x <= 0 is not drawn. The line has a gap at each point that is
+  // not drawn.
   std::vector<double> x, y;
   double width_px = 1.8;  // width of lines
   Style style = Style::line;

@@ -9,22 +9,22 @@
 //   check    CRC-16 (polynomial 0x1021, start 0xFFFF, most significant bit first) of the stuffed bytes,
 //            in 7-bit groups without zeros: 0x80|crc>>14, 0x80|crc>>7&0x7f, 0x80|crc&0x7f
 //
-// Each frame begins with a zero byte and ends with a zero byte. Two frames never share a zero. So a receiver
-// that joins late, or loses or gains bytes, is synchronized again at the next zero.
+// Each frame begins with a zero byte and ends with a zero byte. Two frames never share a zero. If a receiver
+// starts within a frame, loses bytes or gets extra bytes, the next zero synchronizes the receiver.
 //
 // One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
-//   - A byte inside the frame that does not become zero. If the byte belongs to the check, the check no
-//     longer agrees with the CRC. Outside of the check, the damage is a burst of at most 8 bits, and a CRC
-//     detects each such burst.
+//   - A byte between the two zeros that changes to a value other than zero. If the byte belongs to the check,
+//     the check no longer agrees with the CRC. If the byte is before the check, all wrong bits lie within
+//     8 adjacent bits. A CRC-16 always detects wrong bits within 8 adjacent bits.
 //   - The first zero. The receiver then includes the damaged byte in its CRC. Each possible value of this
 //     byte changes the CRC, so the check is wrong.
 //   - The last zero. The receiver then takes the first byte of the check for a stuffing byte. Stuffing bytes
 //     are below 0x80, but bytes of a check are not, so the receiver rejects the frame.
-//   - A byte inside the frame that becomes zero. The frame is then split into two parts. The receiver takes
-//     the last three bytes of the first part for its check. Either the first of these three bytes is a
-//     stuffing byte, or the stuffing before these bytes is incomplete. The receiver rejects the first part in
-//     both cases: bytes of a check are never below 0x80, and incomplete stuffing is invalid. The check of the
-//     second part is valid only if kz_frame_splits returns 1.
+//   - A byte between the two zeros that changes to zero. The frame is then split into two parts. The receiver
+//     treats the last three bytes of the first part as a check. If the first of the three bytes is a stuffing
+//     byte, the check is wrong, because a stuffing byte is below 0x80. If the first of the three bytes is not
+//     a stuffing byte, the stuffed block before the three bytes is incomplete. In both cases, the receiver
+//     rejects the first part. The check of the second part is valid only if kz_frame_splits returns 1.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 
@@ -75,7 +75,7 @@ typedef struct kz_receiver {
   u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
   u8 state;   // above KZ_RECEIVER_BETWEEN: a frame has begun; otherwise: no frame has begun
   u8 body[KZ_BODY_MAX + 4];  // body; during reception, the stuffed bytes and the check
-  u8 silent_ms;              // time since the last byte, ms; if bytes arrive, the caller sets 0
+  u8 silent_ms;  // time without a byte, ms; if bytes arrive, the caller sets silent_ms to 0
 } kz_receiver;
 
 void kz_receiver_init(kz_receiver* receiver);
@@ -86,7 +86,7 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 // the result of the last processed byte in the upper byte, and the number of processed bytes in the lower
 // byte.
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
-// Performs the work of kz_receiver_silent if a frame has begun.
+// If a frame has begun, kz_receiver_silent calls kz_receiver_waited.
 u8 kz_receiver_waited(kz_receiver* receiver);
 // Call kz_receiver_silent for each millisecond without a byte. If bytes arrive, the caller must set silent_ms
 // to 0. If a frame has begun and no byte arrives for KZ_IDLE_MS milliseconds, the function drops the frame
@@ -101,13 +101,13 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 // KZ_FRAME_MAX bytes. Returns the number of bytes written.
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
-// Returns 1 if, at some byte within the frame, the CRC is equal to the start value of the CRC. About one of
-// 1500 frames has such a byte. If damage changed this byte to zero, the rest of the frame would have a valid
-// check. A sender should send such a frame with another sequence number, so that damage to a single byte is
-// always detected.
+// A stuffed byte is critical if the CRC after this byte is 0xFFFF, the start value of the CRC. If damage
+// changes a critical byte to zero, the rest of the frame has a valid check. If the frame has a critical byte,
+// kz_frame_splits returns 1, otherwise 0. About one of 1500 frames has a critical byte. If a frame has a
+// critical byte, the sender should encode the message again, with another sequence number.
 u8 kz_frame_splits(const u8* wire, u8 length);
 
-// Frame encoder that works in pieces. Each tick encodes only the bytes that the tick sends.
+// Frame encoder that works in pieces. Each call of kz_sender_take encodes the next bytes of the frame.
 typedef struct kz_sender {
   u16 crc;
   u8 length;  // size of the body, bytes; 0: idle
@@ -122,8 +122,8 @@ void kz_sender_init(kz_sender* sender);
 static inline u8 kz_sender_busy(const kz_sender* sender) {
   return (u8)(sender->length != 0);
 }
-// Starts a frame with the body that the caller wrote to sender->body[0..body_length-1]. The sender must be
-// idle.
+// Starts to encode a frame. Before the call, the caller must write the frame's body to
+// sender->body[0..body_length-1]. The sender must be idle.
 void kz_sender_start(kz_sender* sender, u8 body_length);
 // Writes up to `room` further bytes of the frame to `wire`. Returns the number of bytes written.
 u8 kz_sender_take(kz_sender* sender, u8* wire, u8 room);

@@ -14,7 +14,7 @@ typedef struct kz_field_info {
   const char* name;
   const char* unit;
   const char* text;
-  const char* mask;  // name of the mask field that lists the elements sent; NULL: no mask
+  const char* mask;  // name of the mask field; a set bit: the element is sent; NULL: no mask
   // Bounds of a field in a request. If messages.def gives no bounds, these are the lowest and the highest
   // value of the type.
   long long low;
@@ -44,10 +44,10 @@ const kz_message_info* kz_message_find(u8 code);
 u8 kz_kind_of(u8 code);
 // Returns 1 if a request changes nothing and can be repeated at any time.
 u8 kz_is_query(u8 request);
-// Returns 1 if the board writes flash to execute a request. The reply then takes up to 3 s.
+// Returns 1 if the board writes flash to execute a request. The reply to such a request takes up to 3 s.
 u8 kz_writes_flash(u8 request);
-// Returns 1 if a request makes the board stop receiving for some time, because the board writes flash or
-// restarts.
+// Returns 1 if a request makes the board write flash or restart. While the board writes flash or restarts,
+// the board receives nothing.
 u8 kz_interrupts_service(u8 request);
 
 // Returns the text of a refusal: "value out of range" for KZ_REFUSED_RANGE. Never NULL.

@@ -13,8 +13,8 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Oldest protocol version that hosts accept. Version 2 has the same messages, but a board with version 2 does
-// not execute the retry of a `stop`.
+// Oldest protocol version that hosts accept. Versions 2 and 3 have the same messages. If a host repeats a
+// `stop`, a board with version 3 executes the `stop` again, and a board with version 2 does not.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
 #define KZ_REPLY 0x80         // this bit of the type is set in messages from board to host
 #define KZ_ADDRESS_DEFAULT 1  // address of a board that has no stored address
@@ -38,8 +38,9 @@ extern "C" {
 #define KZ_STATUS_UNCALIBRATED 0x0040  // nominal calibration: no valid copy in flash
 #define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; latched until `clear`
 
-// Reasons of a shutdown. Only the first reason is latched, and stays latched until the request `clear`.
-// LINK_LOST leaves the motors on if the status has HOLDING. All other reasons switch the motors off.
+// Reasons of a shutdown. The board latches the first reason. Until a request `clear` is executed, the board
+// latches no other reason. LINK_LOST leaves the motors on if the status has HOLDING. All other reasons switch
+// the motors off.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
 #define KZ_SHUTDOWN_LINK_LOST 2     // timeout of the link watchdog
@@ -80,8 +81,8 @@ extern "C" {
 // Tests at start.
 #define KZ_TEST_RAM 0x01
 #define KZ_TEST_FLASH 0x02      // CRC of the application
-#define KZ_TEST_CONVERTER 0x04  // A/D converter, which measures half of its own reference voltage
-#define KZ_TEST_SUPPLY 0x08     // never fails, because the board also runs without motor supply
+#define KZ_TEST_CONVERTER 0x04  // A/D converter; the test input is half of the reference voltage
+#define KZ_TEST_SUPPLY 0x08     // motor supply; this test never fails, even without motor supply
 
 // Source of the calibration.
 #define KZ_CALIBRATION_NOMINAL 0  // no valid copy in flash
@@ -121,7 +122,7 @@ extern "C" {
 #define KZ_REFUSED_SHARED_LINE 10  // not allowed on a line with other boards
 #define KZ_REFUSED_STORE 11        // writing flash failed
 
-// Kinds of messages (messages.def). KZ_KIND_NONE: no message has this type.
+// Kinds of messages (messages.def). For a code that no message has, kz_kind_of returns KZ_KIND_NONE.
 enum kz_kind {
   KZ_KIND_NONE,
   KZ_KIND_QUERY,
@@ -172,9 +173,9 @@ enum kz_size {
 //
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
-// A field with a mask contains one number for each set bit of the mask. If the mask has more than `most` set
-// bits (messages.def), only the lowest `most` set bits have a number. Mask bits above the highest joint have
-// no number. Unpacking sets the numbers of joints that are not in the mask to 0.
+// A field with a mask contains one number for each set bit of the mask. In messages.def, `most` is the
+// maximum count of these numbers. If more bits are set, the highest of the set bits have no number. Mask bits
+// above the highest joint have no number. Unpacking sets the numbers of joints that are not in the mask to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

@@ -1,5 +1,5 @@
-// Bench functions of the servo tick. They drive one motor directly (raw drive), and end unlock and raw drive
-// when their times are over.
+// Bench functions of the servo tick. kz_bench_drive drives one motor directly (raw drive). The raw drive and
+// the bench unlock have time limits, and kz_bench_update ends the raw drive and the unlock at these limits.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_BENCH_H
 #define KAZ_SHARED_SERVO_BENCH_H
@@ -10,8 +10,9 @@
 extern "C" {
 #endif
 
-// Reduces the remaining times of unlock and raw drive by this tick and the missed ticks. Call kz_bench_update
-// in every tick while unlocked_ms is not 0. A raw drive requires the unlock.
+// Subtracts 1 ms for this tick and 1 ms for each missed tick from the remaining times of the unlock and of
+// the raw drive. Call kz_bench_update in every tick while unlocked_ms is not 0. A raw drive requires the
+// unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
 // Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of the raw-driven joint

@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-// A field: `count` numbers of `size` bytes each. Element i is at byte offset + i * stride of struct
-// kz_servo, on the H8 and on the PC. Numbers are big-endian on the H8 and little-endian on the PC.
+// A field: `count` numbers of `size` bytes each. Element i begins `offset + i * stride` bytes after the
+// beginning of struct kz_servo. This position is equal on the H8 and on the PC. Numbers are big-endian on the
+// H8 and little-endian on the PC.
 typedef struct kz_state_field {
   const char* name;  // "enabled", "joint.angle", "receiver.crc"
   u16 offset;

@@ -14,15 +14,16 @@ extern "C" {
 typedef u16 kz_outcome;
 #define KZ_REFUSE(reason, detail) ((kz_outcome)((u16)((u16)(reason) << 8) | (u16)(detail)))
 #define KZ_DONE ((kz_outcome)KZ_NO_DETAIL)
-// The outcome is not known yet. kz_requests_finish sets the outcome after the action between this tick and
-// the next tick.
+// Temporary outcome of a request that waits for an action (actions.h). When the action has ended,
+// kz_requests_finish sets the final outcome.
 #define KZ_PENDING 255
 #define KZ_LATER KZ_REFUSE(KZ_PENDING, KZ_NO_DETAIL)
 
 // Declares the handler kz_do_<name> for each command of messages.def. The handlers are in motion.c,
-// settings.c, telemetry.c and bench.c. The caller has checked the fields against the bounds of messages.def;
-// the handler of a BULK_COMMAND gets the unchecked bytes instead. `request` is null if the message has no
-// fields. A handler checks the whole request before it changes anything.
+// settings.c, telemetry.c and bench.c. Before kz_command calls a handler, kz_command checks that the fields
+// are within the bounds of messages.def. A BULK_COMMAND is an exception: its handler gets bytes that have not
+// been checked. `request` is null if the message has no fields. A handler checks the whole request before it
+// changes anything.
 #define KZ_HANDLER_QUERY(name)
 #define KZ_HANDLER_JOINT_QUERY(name)
 #define KZ_HANDLER_COMMAND(name) kz_outcome kz_do_##name(kz_servo* servo, const kz_##name* request);

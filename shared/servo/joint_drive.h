@@ -12,8 +12,8 @@
 // a joint that moves toward the limit (joint_loop.h). In these units, the maximum rate is:
 // distance + min(distance, KZ_NEAR_LIMIT).
 #define KZ_NEAR_LIMIT 1000  // 0.1 rad
-// Rates up to KZ_SLOW, 0.5 rad/s, are not braked. If noise changes the A/D code of a resting joint by 1, the
-// measured rate stays below KZ_SLOW.
+// The board brakes a joint only if the joint's rate is above KZ_SLOW (0.5 rad/s). If noise changes the A/D
+// code of a resting joint by 1, the measured rate stays below KZ_SLOW.
 #define KZ_SLOW 320
 // Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204

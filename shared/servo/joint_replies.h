@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Writes tick and status, which begin every reply except the reply to `identify`. Returns the end of the
-// output.
+// Writes the fields `tick` and `status`. All replies except `identify_reply` begin with these two fields.
+// Returns the end of the output.
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
 // Write the fields of one reply, including tick and status, and return the end of the output. Each number is

@@ -18,8 +18,8 @@ void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 void kz_joints_enable(kz_servo* servo, u32 mask);
 
 // Starts the ramps of the joints in fresh_targets, with `target` and `target_ms` of each joint. Each call
-// starts at most six ramps, so all ramps start within three ticks. The request itself starts no ramps, to
-// bound the load of a tick. fresh_targets must not be 0.
+// starts at most six ramps, so all ramps start within three ticks. The handler of the request starts no
+// ramps, so that the tick of the request does not take too long. fresh_targets must not be 0.
 void kz_joints_start_ramps(kz_servo* servo);
 
 // Ends all ramps at the present commands.

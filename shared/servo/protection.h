@@ -25,9 +25,9 @@
 // once the bench has measured a motor.
 //
 // Stall. The motors are switched off if a load of 0.7 of full stall lasts 1 s while the joint moves less than
-// 0.03 rad. No motion of the robot needs a higher load or a longer stall. A longer stall would overheat the
-// motor. With a supply below 7 V, a motor does not reach this load, and only the heat model protects the
-// motor.
+// 0.03 rad. No motion of the robot needs such a load at standstill for 1 s. If a motor stayed on at this
+// load, the motor would overheat. With a supply below 7 V, the load at standstill stays below 0.7 of full
+// stall, so only the heat model protects the motor.
 #ifndef KAZ_SHARED_SERVO_PROTECTION_H
 #define KAZ_SHARED_SERVO_PROTECTION_H
 

@@ -13,7 +13,7 @@ extern "C" {
 // kz_joints_update.
 void kz_safety_update(kz_servo* servo, const kz_tick_input* input);
 
-// Returns the KZ_SHUTDOWN_* reason of a fault that is present and would soon switch motors off, or
+// Returns the KZ_SHUTDOWN_* reason of a fault that is present now. If there is no fault, returns
 // KZ_SHUTDOWN_NONE. Checks the board's health and the potentiometers of the joints in the mask.
 u8 kz_active_fault(const kz_servo* servo, u32 mask);
 // Returns nonzero if the cause of the latched shutdown is still present.

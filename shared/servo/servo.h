@@ -213,7 +213,8 @@ extern "C" {
   FIELD(u8, detail)             \
   FIELD(u16, spare)
 
-// Size of the queue: one more than the limit for requests other than `stop`, so that `stop` always fits.
+// Size of the queue. Requests other than `stop` use at most KZ_REQUESTS_UNDER_WAY entries. One more entry is
+// kept for a `stop`.
 #define KZ_QUEUE (KZ_REQUESTS_UNDER_WAY + 1)
 
 #define KZ_DECLARE_FIELD(type, name) type name;

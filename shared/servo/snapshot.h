@@ -59,7 +59,7 @@ typedef struct kz_tick_input {
   u16 worst_8states;         // longest tick so far, in units of 8 states
   u16 missed;                // number of ticks missed since the previous tick
   u16 calibration_sequence;  // sequence number of the valid copy in flash; 0: no valid copy
-  u16 analog[KZ_ANALOG];     // A/D codes 0..1023, by multiplexer * 8 + input
+  u16 analog[KZ_ANALOG];     // A/D codes 0..1023; index: multiplexer * 8 + input
   u8 erases_a;               // number of erasures of calibration block A
   u8 erases_b;               // number of erasures of calibration block B
   u8 result;                 // KZ_RESULT_* of the action that the previous tick requested
@@ -79,7 +79,7 @@ typedef struct kz_tick_output {
   u8 p5;
   u8 p6;
   u8 action;    // KZ_ACTION_*, performed before the next tick
-  u8 tx_count;  // number of bytes in tx, 0..KZ_TX_PER_TICK, at most tx_room
+  u8 tx_count;  // number of bytes in tx; at most KZ_TX_PER_TICK, and at most tx_room
   u8 tx[KZ_TX_PER_TICK];
 } kz_tick_output;
 

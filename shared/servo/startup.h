@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-// Sets factory values: nominal calibration, default address, no tests done.
+// Sets the factory values: nominal calibration and default address. Marks all tests as not done.
 void kz_startup_nominal(kz_startup* startup);
 
-// Tests the A/D converter (by its reference) and the motor supply, and records the results in `startup`. The
-// test of the supply never fails, because the board also runs without motor supply, with motors off. `analog`
-// has the layout of kz_tick_input.analog.
+// Tests the A/D code of the reference voltage, and records the result in `startup`. The test of the motor
+// supply always passes: the board also runs without motor supply, but then the motors stay off. `analog` has
+// the layout of kz_tick_input.analog.
 void kz_startup_test_analog(kz_startup* startup, const u16* analog);
 
 #ifdef __cplusplus

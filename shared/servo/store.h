@@ -1,10 +1,11 @@
 // Log-structured storage of calibration and address in flash: finds the valid copy and plans the next one.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block of flash is a log of lines, written in order and erased as a whole. A copy of the settings consists
-// of consecutive lines, one per part, with the same sequence number. The newest complete copy is the valid
-// copy. If the log has two blocks, a block is erased only while the other block holds the newest copy. So
-// after a power loss at any time, the old or the new copy is valid.
+// A log consists of one or two blocks of flash. The lines of a block are written in order; all lines of a
+// block are erased together. A copy of the settings has one line per part. The lines of a copy are
+// consecutive and share one sequence number. The newest complete copy is the valid copy. If the log has two
+// blocks, a block is erased only while the other block holds the newest copy. So after a power loss at any
+// time, the old or the new copy is valid.
 //
 // The functions work on memory images of the blocks, so they also run on the PC. firmware/memory.c and the
 // native engine write the lines.
@@ -66,8 +67,8 @@ void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts
 
 // Plans the next copy. If the block with the newest copy has room after its used lines, the next copy goes
 // there. If there is no room, the next copy goes to the beginning of the other block, which must be erased
-// first. If the log has only one block and the block is full, the block must be erased first. The log then
-// has no valid copy until the new copy is written.
+// first. If the log has only one block and the block is full, the block must be erased first. After the only
+// block of a log is erased, the log has no valid copy until the new copy is written.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Writes one part of the planned copy to `line` (32 bytes). The caller must then program these 32 bytes into
@@ -76,16 +77,18 @@ void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 void kz_store_encode(u8* line, const kz_store* store, const kz_store_plan* plan, u8 part,
                      const u8* data);
 
-// Returns the data of a part of the newest copy: KZ_STORE_DATA bytes in `images`. Requires sequence != 0.
+// Returns a pointer to the data in line `part` of the newest copy. The data has KZ_STORE_DATA bytes and is in
+// `images`. Requires sequence != 0.
 const u8* kz_store_data(const kz_store* store, const u8* const* images, u8 part);
 
-// Packs the calibration of six joints as data of a line. The first of these joints has the number `6 * part`.
-// The arrays have KZ_JOINTS elements.
+// Writes the calibration of six joints to the KZ_STORE_DATA bytes of `data`. The first of these joints has
+// the number `6 * part`. `centre` and `scale` have KZ_JOINTS elements each.
 void kz_store_pack_calibration(u8* data, u8 part, const s16* centre, const s16* scale);
 
 // kz_store_load_calibration copies the stored calibration to `startup`; kz_store_load_address copies the
-// stored address and shared_line. If there is no valid copy, or the address is invalid, `startup` keeps the
-// values from kz_startup_nominal.
+// stored address and shared_line. If the log has no valid copy, kz_store_load_calibration and
+// kz_store_load_address do not change `startup`. If the stored address or the stored shared_line is invalid,
+// kz_store_load_address does not change `startup`.
 void kz_store_load_calibration(const kz_store* store, const u8* const* images, kz_startup* startup);
 void kz_store_pack_address(u8* data, u8 address, u8 shared_line);
 void kz_store_load_address(const kz_store* store, const u8* const* images, kz_startup* startup);

@@ -14,7 +14,7 @@ extern "C" {
 // has not begun are dropped and counted.
 void kz_telemetry_update(kz_servo* servo);
 
-// Ends telemetry. Frames that are due but not yet started are dropped.
+// Ends telemetry. If the transmission of a due frame has not begun, the frame is dropped.
 void kz_telemetry_end(kz_servo* servo);
 
 #ifdef __cplusplus

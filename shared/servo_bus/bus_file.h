@@ -19,7 +19,7 @@ struct BusServo {
   int id = 0;
   const Model* model = nullptr;  // never null in a parsed file
   double zero = 0;               // reading of the position sensor at joint angle 0, steps
-  bool reversed = false;         // steps decrease as the joint angle increases
+  bool reversed = false;         // true: the sensor reading falls as the joint angle rises
 
   // Convert between joint angle (rad) and sensor steps, without wrapping.
   double steps_at(double angle) const { return zero + sign() * angle * model->steps_per_rad(); }
@@ -46,13 +46,14 @@ struct BusFile {
 // Fault::usage for invalid text. Duplicate ids are valid, so that a virtual bus can simulate servos with
 // equal ids.
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text);
-// Returns the path of bus.json beside the URDF.
+// Returns the path of bus.json in the folder of the URDF.
 std::string bus_file_path(const std::string& urdf_path);
-// Reads and parses bus.json beside the URDF. Returns Fault::usage if the file is missing or invalid.
+// Reads and parses bus.json in the folder of the URDF. If bus.json is missing or invalid, returns
+// Fault::usage.
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
-// Returns a copy of `text` in which each joint in `zeros` has its new zero (sensor steps). All other values
-// are the same. Precondition: parse_bus_file accepts `text`.
+// `zeros` maps the name of a joint to a new value of BusServo::zero. Returns a copy of `text` with the new
+// values. The copy keeps all other values of `text`. Precondition: parse_bus_file accepts `text`.
 std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros);
 
 }  // namespace kaz::servo_bus

@@ -23,14 +23,17 @@ struct Register {
   std::string_view name;
   std::uint16_t address = 0;
   std::uint8_t size = 1;  // bytes: 1, 2 or 4
-  // Sign bit; 0: unsigned. Feetech uses sign and magnitude, DYNAMIXEL two's complement.
+  // Number of the sign bit; 0: unsigned. Feetech servos store negative values as sign and magnitude.
+  // DYNAMIXEL servos store negative values in two's complement.
   std::uint8_t sign_bit = 0;
   bool writable = false;
   bool eeprom = false;   // true: EEPROM, which keeps the value without power; false: RAM
   int initial = 0;       // factory value
   int min = 0, max = 0;  // range of writable values
   std::string_view unit;
-  std::string_view effect;  // purpose of the register; in brackets if not simulated
+  // Purpose of the register. If the purpose is in brackets, the simulator only stores the value of the
+  // register.
+  std::string_view effect;
   std::string_view source;  // letters, explained in the .def file
   int count = 1;            // number of consecutive registers that this entry describes
   int initial_step = 0;     // register i has the factory value initial + i * initial_step
@@ -59,8 +62,8 @@ struct Model {
   bool big_endian = false;  // byte order of registers
   int steps = 0;            // steps of the position sensor over span_rad
   double span_rad = 0;
-  // True: the position sensor measures a full turn and then starts again at 0. A Feetech model then also has
-  // the instructions reset_turns and set_middle.
+  // True: the position sensor measures a full turn and then starts again at 0. If `full_turn` is true, a
+  // Feetech model also has the instructions `reset_turns` and `set_middle`.
   bool full_turn = false;
   bool sync_read = false;        // supports sync read
   int protection_unit_ms = 0;    // Feetech: unit of the register `protection_time`
@@ -74,7 +77,8 @@ struct Model {
   const Register* find(std::string_view name) const;
   // Returns the register that contains the byte at `address`, or null.
   const Register* at(std::size_t address) const;
-  // Returns the factory value of the register; `index` selects one of consecutive registers.
+  // Returns the factory value of a register. If `reg` describes several consecutive registers, `index` is the
+  // number of the register among these registers, counted from 0.
   int initial(const Register& reg, int index = 0) const;
   // Returns the address after the last register.
   std::size_t end() const {

@@ -3,7 +3,7 @@
 //
 //   time_constant dT/dt = ambient + kelvin_per_watt P - T,  P = drop_volts * sum |motor current|
 //
-// The equation is solved exactly for constant currents. Units: K, s, W.
+// For constant motor currents, advance() solves the equation exactly. Units: K, s, W.
 #pragma once
 
 #include <cmath>
@@ -17,8 +17,8 @@ class DriverHeat {
   explicit DriverHeat(const DriverParams& params)
       : params_(params), celsius_(params.ambient_celsius) {}
 
-  // Advances by `seconds`. `amperes` is the sum of the magnitudes of the motor currents, which are constant
-  // during `seconds`.
+  // Advances the temperature by `seconds` with constant motor currents. `amperes` is the sum of the
+  // magnitudes of these currents.
   void advance(double seconds, double amperes) {
     const double end =
         params_.ambient_celsius + params_.kelvin_per_watt * params_.drop_volts * amperes;

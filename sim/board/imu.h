@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
-// offset, scale and saturation. The offset has two parts: a constant that differs from sensor to sensor, and
-// a random drift x. The drift is a first-order Gauss-Markov process that starts in the stationary
-// distribution:
+// offset, scale and saturation. The offset is the sum of a constant and a random drift. The constant differs
+// from sensor to sensor. The drift is a first-order Gauss-Markov process. The first value of the drift has
+// the stationary distribution. If the drift is `x` in one tick, the drift `x'` in the next tick is:
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //
 // The low-pass is computed exactly for an input that is constant within each millisecond. White noise has the
 // one-sided density N. The bandwidth of samples at 1 kHz is 500 Hz, half the sampling rate. So the noise of
-// each sample has a normal distribution with sigma N sqrt(1000 / 2).
+// each sample has a normal distribution with the standard deviation `N * sqrt(1000 / 2)`.
 #pragma once
 
 #include <array>
@@ -55,7 +55,8 @@ class Imu {
     ImuAxisParams params;
     bool real = false;  // true if the sensor has errors
     double offset = 0, sigma = 0, follow = 1, filtered = 0;
-    // Symbols in the formula of the drift: `stay` is e, `stir` is sigma sqrt(1 - e^2), `wandered` is x.
+    // Values for the formula at the top of this file: `stay` is `e`, `stir` is `sigma sqrt(1 - e^2)`, and
+    // `wandered` is `x`.
     double stay = 1, stir = 0, wandered = 0;
   };
   std::uint64_t seed_;

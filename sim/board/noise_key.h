@@ -1,4 +1,4 @@
-// Channels of keyed_normal() on the board: each random number of a sensor has its own key.
+// Channel numbers that the board's sensors pass to keyed_normal(). Each random quantity has its own channel.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

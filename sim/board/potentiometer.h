@@ -6,11 +6,11 @@
 //
 //   x = 1/2 + sign (angle + offset - center) / range
 //
-// The file joints.def contains `sign` and `center` (there called pot_centre) of each joint. On the track the
-// output is x + e(x). The linearity error e is a sum of three sine waves with 1, 2 and 3 half periods along
-// the track. By the definition of terminal-based linearity, e is zero at both ends of the track. On a
-// terminal the output is 0 or 1. Beyond a terminal the wiper is open, and a pull-up resistor determines the
-// level.
+// For each joint, the file joints.def contains `sign` and `center`. The name of `center` in joints.def is
+// `pot_centre`. While the wiper is on the track, the output is `x + e(x)`. The linearity error `e` is a sum
+// of three sine waves with 1, 2 and 3 half periods along the track. By the definition of terminal-based
+// linearity, `e` is zero at both ends of the track. On a terminal the output is 0 or 1. Beyond a terminal
+// the wiper is open, and a pull-up resistor determines the level.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ double pot_ratio(int joint, double angle_rad);
 class Potentiometer {
  public:
   Potentiometer() = default;
-  // `seed` determines the linearity error and the offset. The two errors are only applied if `switches`
-  // enables them.
+  // `seed` determines the linearity error and the offset. If `switches.pot_as_built` is false, the linearity
+  // error and the offset are 0.
   Potentiometer(int joint, const PotentiometerParams& params, const SensorSwitches& switches,
                 std::uint64_t seed);
 

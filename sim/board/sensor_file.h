@@ -35,7 +35,8 @@ struct DriverParams {
 
 // One axis of the gyro (unit: rad/s) or of the accelerometer (unit: m/s^2).
 struct ImuAxisParams {
-  // Output as a fraction of AVCC, per unit; the output for 0 is half of AVCC.
+  // Slope of the output, as a fraction of AVCC per rad/s or per m/s^2. If the measured quantity is 0, the
+  // output is half of AVCC.
   double share_per_unit = 0;
   double zero_offset = 0;    // maximum offset of the zero point, rad/s or m/s^2
   double wander = 0;         // standard deviation of the zero point's drift, rad/s or m/s^2
@@ -55,12 +56,14 @@ struct SensorParams {
 // Switches for the errors of the sensors. True: the sensor has errors and noise. False: the output of the
 // sensor is exactly the nominal output.
 struct SensorSwitches {
-  bool potentiometer = true;  // noise, and no contact of the wiper beyond the terminals
+  bool potentiometer = true;  // noise; beyond the terminals, the wiper is open
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
-  bool supply = true;         // noise of the measured supply voltage; the supply sags in any case
-  bool reference = true;      // noise
-  bool temperature = true;    // noise of the measured temperature; the drivers heat up in any case
-  bool gyro = true;           // offset, bandwidth, noise, saturation
+  // Noise of the measured supply voltage. The supply sags for both values of this switch.
+  bool supply = true;
+  bool reference = true;  // noise
+  // Noise of the measured temperature. The drivers heat up for both values of this switch.
+  bool temperature = true;
+  bool gyro = true;  // offset, bandwidth, noise, saturation
   bool accelerometer = true;
 
   bool operator==(const SensorSwitches&) const = default;
@@ -68,7 +71,7 @@ struct SensorSwitches {
   static SensorSwitches as_built() { return {true, true, true, true, true, true, true}; }
 };
 
-// Sets of switches that have a name in options and recordings.
+// A SensorSet is a combination of sensor switches. Options and recordings use the name of the SensorSet.
 enum class SensorSet { nominal, ideal, as_built };
 inline constexpr std::array kSensorSets{SensorSet::nominal, SensorSet::ideal, SensorSet::as_built};
 

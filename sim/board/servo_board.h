@@ -66,12 +66,13 @@ class ServoBoard {
 
   // Returns the board time, which also advances while the power is off.
   States now() const { return now_; }
-  // Runs until `now() >= until`. now() may exceed `until` by part of the last instruction. Returns the errors
-  // of Mcu::run_until().
+  // Runs until `now() >= until`. If an instruction begins before `until` and ends after `until`, the
+  // run ends with this instruction. Returns the errors of Mcu::run_until().
   Result<void> run_until(States until);
 
-  // Sets the angles of the output shafts, rad, with the signs of the joint angles. `angles_rad` is indexed by
-  // joint number (joints.def). The values hold until the next call.
+  // Sets the angles of the output shafts, rad. A positive shaft angle has the direction of a positive joint
+  // angle, also for a servo that is mounted mirrored. `angles_rad` is indexed by joint number (joints.def).
+  // The values hold until the next call.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
   // Sets the sum of the motors' supply currents. This current makes the supply voltage sag. The value holds
   // until the next call.
@@ -94,8 +95,8 @@ class ServoBoard {
     pot_faults_[static_cast<std::size_t>(joint)] = fault;
   }
 
-  // Returns the mean drives since the last call. The means are exact: every change of a pin is taken into
-  // account.
+  // For each joint, returns the mean output of the motor driver since the previous call of take_drives(). The
+  // means are exact: every change of a pin is taken into account.
   std::array<MeanDrive, KZ_JOINTS> take_drives();
 
   const PinLevels& pins() const { return pins_; }
@@ -117,8 +118,9 @@ class ServoBoard {
   // Save and restore the complete state, including the state of the chip.
   void save(StateWriter& to);
   void restore(StateReader& from);
-  // keep() and take() save and restore the state like Mcu::keep() and Mcu::take(). After take(), the sensors
-  // have the errors and the noise that `seed` determines. Call set_joint_angles() after take().
+  // keep() and take() are alternatives to save() and restore(). The comment of Mcu::Kept explains the
+  // difference. After take(), the sensors have the errors and the noise that `seed` determines. Call
+  // set_joint_angles() after take().
   std::unique_ptr<const Mcu::Kept> keep(StateWriter& to);
   void take(StateReader& from, const Mcu::Kept* kept, std::uint64_t seed);
 
@@ -150,7 +152,7 @@ class ServoBoard {
   PinLevels pins_;
   States integrated_from_ = 0, integrated_to_ = 0;
   States enabled_states_ = 0;
-  // Time integral of the signed duty. The duty is in units of 1/256, the time in states.
+  // Time integral of the signed duty. The unit of the duty is 1/256. The unit of the time is one state.
   std::array<std::int64_t, KZ_JOINTS> duty_states_{};
 };
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Positions are in pulses and speeds in pulses/s. PWM values are in the unit of the registers, in which 885
-// means 100 %. All these values have the same sign as in the registers. The register drive_mode can reverse
-// this sign relative to the servo's direction.
+// means 100 %. All these values have the same sign as in the registers. If bit 0 of the register drive_mode
+// is set, a positive register value means the negative direction of the servo.
 //
 // The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains.
 // Rhoban (a robotics team) measured the divisor of the XL330's P gain.

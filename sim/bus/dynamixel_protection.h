@@ -9,8 +9,10 @@
 //   depends on the present supply voltage.
 // - An error that is not selected in `shutdown` ends when the cause of the error ends.
 //
-// The torque is not measured. As a fraction of the maximum torque, it is the duty minus the ratio of the
-// speed to the no-load speed. Encoder errors and electrical shocks are not simulated.
+// The torque is not measured. The model computes the torque as a fraction of the maximum torque. This
+// fraction is the magnitude of the duty minus the ratio of the speed to the no-load speed. If the motor
+// turns against the direction of the duty, the ratio is taken as 0. Encoder errors and electrical shocks are
+// not simulated.
 #pragma once
 
 #include "sim/bus/register_file.h"
@@ -29,7 +31,7 @@ class DynamixelProtection {
   bool shut_down() const { return latched_ != 0; }
 
  private:
-  double bad_voltage_s_ = 0, overload_s_ = 0;  // time for which the condition has lasted, s
+  double bad_voltage_s_ = 0, overload_s_ = 0;  // duration of the bad voltage and of the overload
   int latched_ = 0;                            // bits of hardware_error_status
 };
 

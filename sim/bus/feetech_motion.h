@@ -4,9 +4,9 @@
 // Positions are in steps of the position sensor, speeds in steps/s. The duty is -1..1. All these values are
 // positive in the servo's direction.
 //
-// The maker documents modes, units, limits, and the update period of 1 ms. Rhoban (a robotics team)
-// measured that the duty of an STS3215 is 0.166 P e, but at most 0.97. P is the gain and e is the position
-// error in rad. docs/reference/servo-bus.md names the sources.
+// The maker documents modes, units, limits, and the update period of 1 ms. Rhoban (a robotics team) measured
+// the duty of an STS3215. The duty is the product of 0.166, the P gain, and the position error in rad. The
+// magnitude of the duty is limited to 0.97. docs/reference/servo-bus.md names the sources.
 //
 // We chose the scales of the D gain, the I gain and the speed loop, and the shape of the profile near the
 // goal. We also chose that a servo whose torque is switched on holds the present position until a goal is

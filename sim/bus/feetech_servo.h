@@ -7,7 +7,7 @@
 // - Unknown instructions, and instructions that the model does not support, are not answered.
 // - Written values are clamped to the register's range.
 // - Writes to read-only registers are answered and change nothing.
-// - Addresses without a register read 0.
+// - If a read covers an address without a register, the answer contains 0 for this address.
 // - In a sync read, each servo waits until the previous servo has answered, like in a bulk read of protocol
 //   1.0.
 #pragma once

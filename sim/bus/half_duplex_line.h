@@ -3,9 +3,11 @@
 //
 // A byte has 8 data bits, no parity and one stop bit. The wire is low while any node sends a low bit. If two
 // nodes send different bytes at the same time, the nodes corrupt each other's bytes. Each node has a UART
-// with its own baud rate. After a falling edge, the UART samples the wire in the middle of each bit. Bytes
-// that were sent at another baud rate therefore arrive as garbage or with a framing error. A node does not
-// receive the bytes that it sends. All times are in simulated time. The same calls give the same bytes.
+// with its own baud rate. After a falling edge, the UART samples the wire in the middle of each bit. If the
+// baud rates of sender and receiver differ too much, bytes therefore arrive as garbage or with a framing
+// error. A node does not receive the bytes that it sends. All times are in simulated time. The simulation is
+// deterministic: if all calls are repeated with the same arguments, the received bytes and their times are
+// identical.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +29,9 @@ class HalfDuplexLine {
   // Sets the baud rate of a node for bytes sent or received from now on. Precondition: baud > 0.
   void set_baud(std::size_t node, double baud);
   // Sends the bytes without gaps. The first byte begins at `from` or after the node's earlier bytes,
-  // whichever is later. Returns the time at which the last stop bit ends. Precondition: `from` is not before
-  // Received::at of the last byte that next() returned.
+  // whichever is later. Returns the time at which the last stop bit ends. Precondition: If next() has
+  // already returned a byte, `from` is at or after Received::at of the byte that next() returned most
+  // recently.
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
   // Returns the time at which the nodes have sent all their bytes, including queued bytes. This time is in
   // the past if the wire is idle.
@@ -64,8 +67,8 @@ class HalfDuplexLine {
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    // Time of the middle of the stop bit of the byte in `next`. When next() returns this byte, `after`
-    // becomes the new value of `from`.
+    // Time of the middle of the stop bit of the byte in `next`. After the function next() has returned this
+    // byte, the UART ignores falling edges before `after`.
     Time after{};
   };
 

@@ -23,13 +23,14 @@ class RegisterFile {
   // Returns the value of a register, or `otherwise` if the model does not have the register.
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
-  // Writes a register as the servo's firmware would, also if a host can only read the register. Clamps the
-  // value to the register's range. Exception: the range of a writable DYNAMIXEL register is ignored. Its
-  // value is only clamped to numbers that fit into the register's bytes. The function has no effect if the
+  // Writes a register on behalf of the servo's firmware. Registers that are read-only for a host are written
+  // too. Clamps the value to the register's range. Exception: for a writable DYNAMIXEL register, the value
+  // is only clamped to the numbers that fit into the register's bytes. The function has no effect if the
   // model does not have the register.
   void set(std::string_view name, int value);
   // Writes one of the consecutive registers that `reg` describes. `index` is the number of this register,
-  // counted from 0. An EEPROM register keeps the value without power, unless the EEPROM is locked.
+  // counted from 0. If the register is in the EEPROM and the EEPROM is not locked, the value is also kept
+  // without power.
   void write(const servo_bus::Register& reg, int index, int value);
 
   // Writes bytes that a host has sent to a Feetech servo. Skips read-only registers and addresses without a
@@ -37,15 +38,16 @@ class RegisterFile {
   // address.
   std::vector<const servo_bus::Register*> write(std::size_t address,
                                                 std::span<const std::uint8_t> bytes);
-  // Reads bytes. An address without a register reads 0.
+  // Returns the bytes at `length` addresses, beginning with `address`. For an address without a register,
+  // the returned byte is 0.
   std::vector<std::uint8_t> read(std::size_t address, std::size_t length) const;
 
   // Sets EEPROM registers to the values that are kept without power, and RAM registers to initial values.
   void power_on();
   bool locked() const { return get("lock") != 0; }
   using Chosen = std::function<bool(const servo_bus::Register&)>;
-  // backup() saves all registers. restore() loads the chosen registers from the backup. EEPROM values that
-  // restore() loads are kept without power.
+  // backup() saves all registers. restore() loads the chosen registers from the backup. If restore() loads
+  // an EEPROM register, the loaded value is kept without power.
   void backup() { backup_ = live_; }
   void restore(const Chosen& chosen);
   // Sets the chosen registers to factory values.

@@ -6,7 +6,8 @@ namespace kaz::sim {
 
 // Motion and current are positive in the servo's direction.
 struct ServoReading {
-  // Reading of the position sensor in steps, not wrapped; 0 is the start of the sensor's first turn.
+  // Position in steps of the position sensor. The value continues beyond a full turn and below 0. At the
+  // value 0, the sensor is at the start of its range.
   double steps = 0;
   double speed = 0;      // steps/s
   double current_a = 0;  // current through the motor

@@ -9,12 +9,12 @@ struct Trajectory {
   double position = 0, speed = 0, acceleration = 0;
 
   void hold(double at) { *this = {at, 0, 0}; }
-  // Advances by one time step of a trapezoidal speed profile from the present state. The speed is always low
-  // enough that the servo can stop at the goal. `highest` is the maximum speed, `rate` the acceleration. If
-  // `rate` is 0, the speed changes at once.
+  // Moves `position` toward `goal` for one time step of a trapezoidal speed profile. If the goal is nearer
+  // than the braking distance, the position passes the goal and then returns. `highest` is the maximum speed,
+  // `rate` the acceleration. If `rate` is 0, the speed changes at once.
   void go_to(double goal, double highest, double rate, double step_s);
-  // Changes the speed toward `wanted` for one time step. The position is unchanged. `rate` is the same as in
-  // go_to().
+  // Changes the speed toward `wanted` for one time step. The position is unchanged. `rate` is the
+  // acceleration. If `rate` is 0, the speed becomes `wanted` at once.
   void reach_speed(double wanted, double rate, double step_s);
 };
 

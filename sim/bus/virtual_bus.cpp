@@ -14,7 +14,7 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
     const auto joint = std::ranges::find(joints, mount.joint);
     if (joint == joints.end())
       return fail(Fault::usage, "bus.json names the joint `" + mount.joint +
-                                    "`, which the robot does not have; see its URDF");
+                                    "`, but the robot has no such joint; see the robot's URDF");
     auto servo = VirtualServo::make(*mount.model, mount.id);
     const auto code = std::ranges::find(mount.model->bauds, file.baud);
     if (code != mount.model->bauds.end())

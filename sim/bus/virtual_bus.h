@@ -1,8 +1,9 @@
 // A servo bus in simulated time: host, wire, and servos whose motors drive a robot's joints in a world.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Events on the wire have a resolution of 1 ns. The world and the servos' control loops advance in
-// steps of World::step_s(), by default 1 ms. The same calls give the same bytes.
+// Events on the wire have a resolution of 1 ns. The world and the servos' control loops advance in steps of
+// World::step_s(), by default 1 ms. The simulation is deterministic: two buses that are created from equal
+// files and get equal calls carry equal bytes.
 #pragma once
 
 #include <cstdint>
@@ -48,8 +49,8 @@ class VirtualBus {
   };
   // The received bytes, oldest first. The caller removes the bytes that it has read.
   std::deque<HostByte>& received() { return received_; }
-  // Returns the time at which the last byte from the host ends. This time is in the past if the host sends
-  // nothing.
+  // Returns the end of the last byte that was passed to write(). If the host is not sending at time(), this
+  // end is not later than time().
   Time host_sends_until() const { return host_sends_until_; }
   std::uint64_t host_framing_errors() const { return host_framing_errors_; }
 
@@ -64,10 +65,12 @@ class VirtualBus {
   void set_supply_volts(double volts) { supply_volts_ = volts; }
   // Switches the supply of all servos on or off. Switching the supply off clears the RAM of the servos.
   void set_power(bool on);
-  double volts() const;  // supply voltage at the servos, lowered by the current of the last step
+  // Returns the supply voltage at the servos, or 0 if the supply is off. The voltage drop is computed from
+  // the current in the preceding step of the world.
+  double volts() const;
 
-  // Turns joint i by hand to an angle (rad) and holds the joint there while the joint's servo has no torque.
-  // If the angle is beyond a stop, the hand presses against the stop.
+  // While the servo of joint i has no torque, a hand turns the joint to an angle (rad) and holds the joint
+  // there. If the angle is beyond a stop, the hand presses against the stop.
   void turn_by_hand(std::size_t i, double angle);
   void take_hands_off();  // releases all joints
   // Present angle of joint i, rad.

@@ -33,8 +33,8 @@ class VirtualServo {
     Time delay{};
   };
   // Processes a byte whose stop bit ended at `now`. Returns an answer if the servo must send an answer now.
-  // The byte can complete a request that changes the baud rate. The caller must send the answer at the old
-  // rate, which baud() returned before this call. After the answer, the servo uses the new rate.
+  // If the byte changes the baud rate of the servo, the caller must send the answer at the rate that baud()
+  // returned before take(). After the answer, the servo uses the new rate.
   virtual std::optional<Answer> take(std::uint8_t byte, Time now) = 0;
   // Processes a byte with a framing error.
   void take_noise(Time now);

@@ -1,11 +1,11 @@
 // Compares the native engine with the firmware image in the emulator, tick by tick.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The firmware image runs in the emulator under random host traffic and potentiometer voltages. Each tick
-// input of the firmware is also passed to the native build of shared/servo. The outputs and states of the two
-// engines must be equal. In the next tick, the levels of the chip's pins must match the output. The output
-// contains the bytes that the chip must send. The bytes decoded from the waveform at TxD0 must equal these
-// bytes.
+// The firmware image runs in the emulator under random host traffic and potentiometer voltages. In each
+// tick, the native build of shared/servo gets the same input as the firmware. The outputs and states of the
+// two engines must be equal. The output of a tick contains the pin levels that the chip must have in the
+// next tick. The output also contains the bytes that the chip must send. The bytes decoded from the waveform
+// at TxD0 must equal these bytes.
 #pragma once
 
 #include <cstdint>
@@ -40,15 +40,16 @@ struct CompareOptions {
 
 struct CompareDifference {
   // Name of the value that differs, for example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or
-  // "line.byte". If a frame that the board is sending differs, `field` consists of the names of message and
-  // field, such as "identify_reply.build_id".
+  // "line.byte". If a field of the frame that the board is sending differs, `field` contains the name of the
+  // message and the name of the field, for example "identify_reply.build_id".
   std::string field;
-  // Values of the two engines; -1 in "line.byte" and "line.missing" means no byte.
+  // Values of the two engines. If `field` is "line.byte", "line.missing" or "line.cut_off", the value -1
+  // means that this engine has not sent a byte.
   std::int64_t native = 0, h8 = 0;
 };
 
-// Coverage of the traffic, counted in the board's replies. A comparison in which the board refuses most
-// requests would cover little of the code.
+// Numbers of replies and actions in the compared ticks. If the board refuses most requests, the comparison
+// covers little of the code.
 struct CompareCoverage {
   // Number of frames from the board for each message type (replies and telemetry).
   std::map<std::uint8_t, std::int64_t> replies;
@@ -70,7 +71,7 @@ struct CompareReport {
   std::int64_t missed_ticks = 0, resets = 0;
   // Number of ticks in which the pins were compared with the previous tick's output.
   std::int64_t pins_compared = 0;
-  std::int64_t line_bytes = 0;  // number of bytes decoded at TxD0 that equal the output
+  std::int64_t line_bytes = 0;  // number of bytes at TxD0 that equal the bytes in the native output
   CompareCoverage coverage;
   double chip_s = 0;  // simulated time of the chip
 
@@ -90,9 +91,10 @@ struct CompareReport {
 // sources than this program. Returns Fault::failed if the chip stops on an error or runs no ticks.
 Result<CompareReport> compare_engines(const CompareOptions& options);
 
-// Compares the build id in the image header in the chip's flash with the build id of this program. Returns
-// Fault::usage if the two build ids differ. Without this check, the comparison of two different builds would
-// fail at the first reply that contains the build id. An image without a header passes the check.
+// The header of the firmware image contains a build id. Compares this build id with the build id of this
+// program. Returns Fault::usage if the two build ids differ. Without this check, the comparison of two
+// different builds would fail at the first reply that contains the build id. An image without a header
+// passes the check.
 Result<void> check_same_sources(const H8Mcu& h8, const std::string& image_path);
 
 }  // namespace kaz::sim

@@ -595,9 +595,8 @@ Result<WireReport> compare_wire(const WireOptions& options) {
     ++report.different;
     report.differences.push_back(
         {0, 0,
-         "the start-up times of h8 and the native board differ; after a change of the firmware, "
-         "set "
-         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to h8's time",
+         "h8 and the native board need different times to start. If the firmware has changed, set "
+         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to the start-up time of h8",
          std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
     return report;
   }

@@ -44,7 +44,8 @@ struct WireDifference {
   std::int64_t conversation = 0;
   double ms = 0;     // time since the conversation began
   std::string what;  // description of the difference, one sentence
-  // Behavior of each board; empty if `what` describes both.
+  // Behavior of the emulated board and of the native board. If `what` already describes the behavior of a
+  // board, the text for this board is empty.
   std::string h8, native;
   std::string requests;  // the last requests before the difference, oldest first
 };
@@ -55,20 +56,23 @@ struct WireReport {
   std::int64_t conversations = 0;
   bool stopped = false;        // WireOptions::stop ended the comparison
   std::int64_t different = 0;  // number of conversations with a difference
-  // Number of conversations that ended early. A conversation ends early if corresponding replies of the two
-  // boards come from adjacent ticks (wire_differences.h).
+  // Number of conversations that ended early. If a request waits for room in the transmit ring, one board
+  // can answer the request one tick later than the other board. Then the conversation ends early
+  // (wire_differences.h).
   std::int64_t ended_early = 0;
-  // The first difference of each of the first few conversations that differ.
+  // Contains one element for each of the first 5 conversations with a difference. The element describes the
+  // first difference in the conversation.
   std::vector<WireDifference> differences;
-  // Total number of requests, and number of requests in the shortest conversation.
+  // requests: number of requests in all conversations. fewest_requests: smallest number of requests in one
+  // conversation.
   std::int64_t requests = 0, fewest_requests = 0;
   // Number of equal frames from the boards, number of bytes in these frames, and number of frames that differ
   // only by design.
   std::int64_t replies = 0, bytes = 0, masked = 0;
   std::int64_t pins_compared = 0;  // number of milliseconds compared
   std::int64_t resets = 0;
-  // Largest time difference between the boards: at the first byte of a reply (largest_lag), and at a
-  // requested reset (largest_reset_lag).
+  // largest_lag: longest time between the first bytes of the two boards' replies to the same request.
+  // largest_reset_lag: longest time between the resets of the two boards after the same request.
   States largest_lag = 0;
   States largest_reset_lag = 0;
   States h8_start = 0;  // time from power-on to the first tick
@@ -77,8 +81,8 @@ struct WireReport {
   std::map<std::uint8_t, std::int64_t> by_type;  // number of replies by message type
   double chip_s = 0;                             // simulated time of the chip
 
-  // Returns the maximum value of `ended_early` with which equal() can return true. Conversations that end
-  // early are rare: 2 in 10,000.
+  // If `ended_early` is larger than max_ended_early(), equal() returns false. Conversations that end early
+  // are rare: 2 in 10,000.
   std::int64_t max_ended_early() const { return 1 + conversations / 1000; }
   bool equal() const { return different == 0 && ended_early <= max_ended_early(); }
   std::string text() const;

@@ -1,4 +1,4 @@
-// The `h8` engine, which executes the firmware image in the emulator, with access for tests and tools.
+// The `h8` engine executes the firmware image in the emulator and gives tests and tools access to the chip.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

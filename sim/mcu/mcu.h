@@ -71,8 +71,8 @@ class Mcu {
   virtual States now() const = 0;
 
   // Runs until `now() >= until`. Fails on an undefined instruction, an unmapped access or a stack outside
-  // RAM. Each further call returns the same error until the next reset. The error message contains the
-  // location.
+  // RAM. After a failure, all calls of run_until() before the next reset return the same error. The error
+  // message contains the location.
   virtual Result<void> run_until(States until) = 0;
 
   virtual void reset() = 0;        // resets by the RES pin; RAM is kept
@@ -106,9 +106,10 @@ class Mcu {
   virtual void on_pins(std::function<void(States, const PinLevels&)> listener) = 0;
 
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
-  // the levels of the multiplexers' select pins at that time. The engine does not call the function for
-  // samples that the program cannot read. Therefore the function must have no side effects. The voltage may
-  // depend only on the arguments and on values that change only between runs or in listeners.
+  // the levels of the multiplexers' select pins at that time. If the program cannot read a sample, the
+  // engine does not call the function for this sample. Therefore the function must have no side effects. The
+  // function may use its arguments. Each other value that the function uses must be constant during a call
+  // of run_until(), unless a listener changes the value.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 
@@ -131,10 +132,11 @@ class Mcu {
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 
-  // keep() and take() are alternatives to save() and restore(). They are faster if many chips of one process
-  // continue from the same state. keep() returns an object with the parts of the state that are slow to
-  // restore from bytes. The rest of the state is written to `to`. If keep() returns null, `to` gets the whole
-  // state. Several chips may call take() with the same object concurrently.
+  // keep() and take() are alternatives to save() and restore(). If many chips of one process continue from
+  // the same state, keep() and take() are faster than save() and restore(). keep() returns an object with
+  // the parts of the state that are slow to restore from bytes. The rest of the state is written to `to`. If
+  // keep() returns null, `to` gets the whole state. Several chips may call take() with the same object
+  // concurrently.
   struct Kept {
     virtual ~Kept() = default;
   };
@@ -149,8 +151,9 @@ class Mcu {
 };
 
 // Makes an h8 engine with a firmware image: S-record or COFF. The symbols of an S-record are read from the
-// file with the same name and the extension `.coff`. Without symbols, reports have no names and on_tick() has
-// no effect. Returns Fault::usage if the image cannot be read.
+// file with the same name and the extension `.coff`. Without symbols, error messages show addresses without
+// the names of functions. Without symbols, the listener of on_tick() is never called. Returns Fault::usage if
+// the image cannot be read.
 Result<std::unique_ptr<Mcu>> make_h8(const std::string& image_path);
 // Makes an h8 engine with erased flash.
 std::unique_ptr<Mcu> make_erased_h8();

@@ -24,10 +24,11 @@ class NativeMemory {
 
   // Copies the logs' contents to `startup`. Values that are not in the logs stay unchanged.
   void load(kz_startup& startup);
-  // Copies the calibration log's sequence number and erase counts to `input`.
+  // Copies the sequence number of the calibration log, and the erase counts of the log's two blocks, to
+  // `input`.
   void report(kz_tick_input& input) const;
 
-  // Schedules a write that begins at `from`. The motors must be off.
+  // Schedules a write to flash. The write begins at the time `from`. The motors must be off.
   void store_calibration(const kz_servo& servo, States from);
   void store_address(const kz_servo& servo, States from);
   // Returns the time at which the board stops serving the serial line because of the write.
@@ -40,7 +41,8 @@ class NativeMemory {
   int lines() const;
   // Completes the write and reads both logs again. Returns whether flash has the intended contents.
   bool finish();
-  // Aborts a write in progress, by power loss or reset at time `at`.
+  // Must be called if the board loses power or is reset at the time `at`. Aborts a write that is in progress
+  // at the time `at`.
   void cut(States at);
 
   // Returns the blocks EB1 to EB3, like Mcu::memory().

@@ -3,8 +3,8 @@
 //
 // The structures are restored as raw memory (archive.hpp, plain()). The firmware does not check its own
 // state, because the chip has too little memory for these checks. These functions check each value that is
-// used as an index, length, mask or divisor. Factors of products that must fit in 32 bits are also checked.
-// Unusual values of other members are harmless.
+// used as an index, length, mask or divisor. If a value is a factor of a product that must fit in 32 bits,
+// this value is also checked. Unusual values of other members are harmless.
 #pragma once
 
 #include "shared/servo/servo.h"

@@ -16,11 +16,11 @@
 
 namespace kaz::sim {
 
-// Damages a frame at random; the frame must not be empty. The function selects one of five faults or no
-// fault. All six choices have the same probability. Three of the faults flip a bit, remove a byte, or insert
-// a byte. The fourth fault cuts off the end. The fifth fault replaces the frame with up to `max_noise` random
-// bytes. After a cut or a replacement, the frame has at least `min_length` bytes (0 or 1). Without a fault,
-// the function returns false.
+// Usually damages a frame at random. The frame must not be empty. Six outcomes are equally likely: flipped
+// bit, removed byte, inserted byte, end of the frame cut off, whole frame replaced by random bytes, no
+// damage. If the end of the frame is cut off, at least `min_length` bytes (0 or 1) remain. If random bytes
+// replace the frame, the number of these bytes is between `min_length` and `max_noise`. If the outcome is "no
+// damage", the function returns false.
 bool damage_frame(Random& random, std::vector<std::uint8_t>& frame, std::uint32_t min_length,
                   std::uint32_t max_noise);
 

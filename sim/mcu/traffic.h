@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Some of the traffic is valid and some is invalid. Some joint movements are plausible and some are not. The
-// seed of each class determines the generated inputs.
+// seed of RandomHost determines the host traffic. The seed of RandomAnalog determines the voltages.
 #pragma once
 
 #include <array>
@@ -67,7 +67,8 @@ class RandomAnalog {
   std::uint64_t seed_;
   Random random_;
   std::array<Input, KZ_ANALOG> inputs_{};
-  // Remaining time during which no further input goes to a rail. During this time, the control loops can run.
+  // Remaining time during which no further input goes to a rail (0 or AVCC), so that the control loops can
+  // run.
   int calm_ms_ = 2000;
 };
 

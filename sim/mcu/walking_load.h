@@ -1,4 +1,5 @@
-// Gives the servo firmware the work of a walking robot: control loops, and targets and queries at 100 Hz.
+// Puts the servo firmware under the load of a walking robot: all control loops run, and the host sends
+// targets and queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measurements of the tick's duration and of the emulator's speed use this load. A simple model without
@@ -32,7 +33,7 @@ class WalkingLoad {
 
   std::int64_t bytes_to_board() const { return bytes_to_board_; }
   std::int64_t bytes_from_board() const { return bytes_from_board_; }
-  // Returns the distance of a joint from its last target, rad.
+  // Returns the absolute difference between the angle of a joint and the joint's most recent target, rad.
   double error(int joint) const;
 
  private:

@@ -32,8 +32,8 @@ constexpr WireException exceptions[] = {
      "the image determines the start-up time", KZ_TYPE_self_test_reply, "start_8states"},
     {"a byte that ends 300 to 1,000 states after a tick's due time",
      "received in this tick or the next one", "received in this tick if it ends within 650 states",
-     "the tick reads its receive ring between 450 and 850 states after its due time; the "
-     "comparison sends no byte near that time"},
+     "a tick reads the receive ring 450 to 850 states after the tick's due time; the comparison "
+     "sends no byte near the time of this read"},
     {"a byte that ends between 47,600 and 18,000 states before the first tick",
      "delays the start by 65 states, or is lost",
      "received if it ends in the last 46,940 states before the tick; no delay",
@@ -43,14 +43,18 @@ constexpr WireException exceptions[] = {
     {"a request that waits for room in the transmit ring",
      "the check for room comes at most 1,100 states after the tick's due time",
      "the check for room comes 665 states after the tick's due time",
-     "if replies are one tick apart, the comparison ends this conversation early"},
-    {"start of a requested store or reset", "after the computation of its tick",
+     "if a reply of one board comes one tick after the same reply of the other board, the "
+     "comparison ends the conversation early"},
+    {"start of a requested store or reset",
+     "after the computation of the tick that handles the request",
      "5,900 states after the tick's due time",
-     "the comparison sends nothing meanwhile, and restarts its clock at each such reset"},
+     "the comparison sends nothing during the store or reset, and counts times from each "
+     "requested reset anew"},
     {"input voltages",
-     "`AN4` and `AN5` are sampled at any time; other inputs 800 to 7,300 states after a tick's due "
-     "time",
-     "the same inputs in the same order, within 200 states of `h8`",
+     "`AN4` and `AN5` are sampled at any time; the other inputs are sampled 800 to 7,300 states "
+     "after a tick's due time",
+     "each input is sampled at most 200 states earlier or later than on `h8`; the order of the "
+     "inputs is the order on `h8`",
      "the comparison changes voltages only 15,000 or more states after a tick's due time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},

@@ -15,8 +15,8 @@ struct WireException {
   const char* native;  // behavior of the native board
   const char* reason;
   // In replies of the message type `type`, the comparison leaves out the field with the name `field`. If
-  // `type` is 0, the difference is not in a field of a reply. The comparison then either accepts the
-  // difference, or avoids the situations that cause the difference.
+  // `type` is 0, the difference is not in a field of a reply. If `type` is 0, the comparison either accepts
+  // the difference or avoids the situations that cause the difference.
   std::uint8_t type = 0;
   const char* field = nullptr;
 };
@@ -27,7 +27,7 @@ std::span<const WireException> wire_differences();
 std::string wire_differences_table();
 
 // Writes 0 to each byte of `body` that the comparison leaves out. `body` consists of address, type, sequence
-// number and fields. Returns whether there were bytes to overwrite.
+// number and fields. Returns true if the function has overwritten at least one byte.
 bool mask_wire_differences(std::span<std::uint8_t> body);
 
 }  // namespace kaz::sim

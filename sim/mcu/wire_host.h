@@ -24,8 +24,9 @@
 
 namespace kaz::sim {
 
-// Times at which no byte from the host may end. In each tick, no byte may end while the tick reads the
-// receive ring. After a reset, no byte may end between `closed_from` and `closed_until`.
+// Forbidden intervals: the stop bit of a byte from the host must not end within a forbidden interval. In each
+// tick, there is a forbidden interval around the time at which the tick reads the receive ring. After a
+// reset, there is a forbidden interval from `closed_from` to `closed_until`.
 struct WireWindows {
   bool ticks = false;  // whether the board runs ticks
   States tick_at = 0;  // due time of one tick; the other due times follow from the tick period
@@ -42,8 +43,8 @@ class WireHost {
   // Events other than bytes.
   enum class Event : std::uint8_t { none, reset_pin, power_cycle };
 
-  // Returns the bytes that end in [from, until), ordered by time. `from` of the next call must be `until` of
-  // this call.
+  // Returns the bytes that end in [from, until), ordered by time. In each call, `from` must be equal to
+  // `until` of the previous call.
   std::vector<SerialByte> bytes(States from, States until, const WireWindows& windows);
   // Removes and returns an event that is due by `at`. The event drops all bytes that are not yet sent.
   Event take_event(States at);
@@ -56,7 +57,7 @@ class WireHost {
   };
   const std::vector<Sent>& sent() const { return sent_; }
   int requests() const { return requests_; }
-  // Returns the number of items sent, by kind: "damaged", "in pieces", "silences" and others.
+  // Returns a count for each kind of behavior of the host: "damaged", "in pieces", "silences" and others.
   const std::map<std::string, std::int64_t>& kinds() const { return kinds_; }
 
  private:
@@ -95,7 +96,8 @@ class WireHost {
   std::deque<Planned> planned_;
   std::vector<std::pair<States, Event>> events_;
   std::uint8_t sequence_ = 0, address_ = KZ_ADDRESS_DEFAULT, other_address_ = KZ_ADDRESS_DEFAULT;
-  // True after set_address was sent; the board may then have either address.
+  // True after the host has sent a request to change the address. From then on, the address of the board may
+  // be `address_` or `other_address_`.
   bool has_moved_ = false;
   std::vector<std::uint8_t> last_;
   std::vector<Sent> sent_;

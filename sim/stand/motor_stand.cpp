@@ -47,7 +47,7 @@ Eigen::Isometry3d MotorStand::link_pose(const std::string&) const {
 }
 
 Result<Eigen::Vector3d> MotorStand::object_position(const std::string& model) const {
-  return fail(Fault::usage, "a motor stand has no model `" + model + "`");
+  return fail(Fault::usage, "there is no object `" + model + "`: a motor stand has no objects");
 }
 
 void MotorStand::clamp(std::size_t joint, bool on) {

@@ -32,8 +32,9 @@ struct StandOptions {
   MotorParams motor;
   double disc_kgm2 = 4e-4;  // aluminum, 120 mm in diameter, 7 mm thick
   double step_s = 0.001;
-  std::uint64_t seed = 1;    // seed of the scale's random noise
-  double supply_volts = 10;  // open-circuit voltage at the start; make_stand() sets this value
+  std::uint64_t seed = 1;  // seed of the scale's random noise
+  // Open-circuit voltage at the start. make_stand() uses SimulationOptions::supply_volts instead.
+  double supply_volts = 10;
 };
 
 class MotorStand final : public World {
@@ -45,13 +46,13 @@ class MotorStand final : public World {
   double first_supply_volts() const { return options_.supply_volts; }
 
   // Tools. `joint` is the number of the board's channel to which the motor is connected. If `on` is true,
-  // clamps the shaft with a lever that presses on a scale. If `on` is false, removes the lever. Both actions
-  // reset the scale to zero.
+  // clamps the shaft with a lever that presses on a scale. If `on` is false, removes the lever. Each call of
+  // clamp() resets the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Returns the reading of the scale: torque of the motor in the joint's direction, Nm. The reading is the
-  // mean over the last 50 steps in which the motor was driven against the clamp. The scale keeps this reading
-  // when the motor stops. Before the first reading, the scale shows 0. The noise has a sigma of 2 mNm, the
-  // resolution is 1 mNm.
+  // Returns the torque of the motor that the scale shows, Nm. A torque in the joint's positive direction is
+  // positive. The reading is the mean over the last 50 steps in which the motor was driven against the clamp.
+  // The scale keeps this reading when the motor stops. Before the first reading, the scale shows 0. The noise
+  // has a sigma of 2 mNm, the resolution is 1 mNm.
   double scale_nm(std::size_t joint) const;
   // Applies the torque of a weight, `torque_nm`, to the shaft without a shock. A torque of 0 removes the
   // weight.
@@ -59,8 +60,8 @@ class MotorStand final : public World {
   // Turns the shaft by hand to `angle_rad` at 2 rad/s and holds the shaft until release().
   void turn(std::size_t joint, double angle_rad);
   void release(std::size_t joint);
-  // Removes lever, weight and hand from every shaft. Returns the number of shafts that had at least one of
-  // these tools.
+  // Removes lever, weight and hand from every shaft. Returns the number of shafts from which a lever, a
+  // weight or a hand was removed.
   int free_all();
   // Returns the angle that the protractor shows, rad. The resolution is 0.01 degrees.
   double protractor_rad(std::size_t joint) const;
@@ -94,7 +95,7 @@ class MotorStand final : public World {
     // Ring buffer of the scale, Nm. The newest value is at the index `next`.
     std::array<double, kScaleSteps> pressed{};
     std::uint32_t next = 0, count = 0;
-    std::int64_t pressed_at = 0;  // step of the newest value
+    std::int64_t pressed_at = 0;  // number of the step that stored the newest value
     template <class A>
     void transfer(A& a) {
       a(clamped, guided, pressing, press_nm, goal_rad, guide_rad, pressed, next, count, pressed_at);

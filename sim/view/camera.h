@@ -7,9 +7,10 @@
 
 namespace kaz::sim {
 
-// Returns the pose of an optical frame (x right, y down, z forward) at the point `eye`, looking at the point
-// `target`. The world's z axis points up in the picture. `eye` must not be exactly above or below `target`.
-// All points are in the world frame, m.
+// Returns the pose of a camera's optical frame. The origin of the frame is the point `eye`, and the z axis
+// points to the point `target`. In the picture, the frame's x axis points to the right, and the frame's y
+// axis points down. The world's z axis points up in the picture. `eye` must not be exactly above or below
+// `target`. All points are in the world frame, m.
 Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
 }  // namespace kaz::sim

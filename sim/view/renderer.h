@@ -57,8 +57,9 @@ class Renderer {
   virtual Result<void> set_scene(const Scene& scene) = 0;
   // Draws a picture. The same scene, pose and view always give the same bytes. Returns Fault::usage for an
   // invalid view. The first call starts OpenGL (about 0.3 s) and returns Fault::environment if OpenGL is not
-  // available. Any thread may call render(), but not two threads concurrently. Shadow maps are reused if the
-  // pose has not changed. Therefore draw both eyes of a pair in succession.
+  // available. Any thread may call render(). Two calls of render() must not run at the same time. Shadow maps
+  // are reused if the pose has not changed. Therefore render the left and the right picture of a pair
+  // directly one after the other.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };
 
@@ -72,7 +73,8 @@ Result<std::unique_ptr<Renderer>> make_renderer(const std::string& backend);
 Result<std::unique_ptr<Renderer>> make_opengl_renderer();
 
 // Makes the project's own rasterizer with the processor's widest vectors. All vector widths give the same
-// bytes. This function never fails. The return type is Result only to match the type RendererMaker.
+// bytes. This function never fails. The function returns a Result because the type RendererMaker requires a
+// Result.
 Result<std::unique_ptr<Renderer>> make_raster_renderer();
 
 }  // namespace kaz::sim

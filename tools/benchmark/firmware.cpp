@@ -68,7 +68,8 @@ Result<void> tick(const Settings& settings, Results& results) {
       [&](const sim::TickRecord& record) { busy.push_back(record.input.busy_8states * 8.0); });
   if (auto done = walk(load, settings.quick ? 500 : 3000); !done) return done;
   mcu->on_tick(nullptr);
-  if (busy.empty()) return fail(Fault::failed, "the firmware runs no tick");
+  if (busy.empty())
+    return fail(Fault::failed, "the firmware did not run a single tick during the measurement");
   results.put("mcu.tick_worst",
               100 * *std::max_element(busy.begin(), busy.end()) / KZ_STATES_PER_TICK);
   results.put("mcu.tick_median", 100 * median(busy) / KZ_STATES_PER_TICK);

@@ -105,10 +105,9 @@ int parse_and_run(int argc, char** argv) {
                      "also write each number, with its name, to this JSON file");
   auto known = engine_names();
   program
-      .add_option(
-          "--engine", arguments.settings.engines,
-          "emulator engines to measure, separated by commas. The names of an engine's numbers end "
-          "with the engine's name, except for the default engine")
+      .add_option("--engine", arguments.settings.engines,
+                  "emulator engines to measure, separated by commas. If an engine is not the "
+                  "default engine, the names of its numbers end with the engine's name")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
   program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")
@@ -120,8 +119,9 @@ int parse_and_run(int argc, char** argv) {
   program.add_option("--run", arguments.run,
                      "run one load of the emulator and print nothing, for use with a profiler");
   program
-      .add_option("--amount", arguments.amount,
-                  "with --run: number of rounds or milliseconds of the load")
+      .add_option(
+          "--amount", arguments.amount,
+          "with --run: length of the load, in rounds (mcu.mips.*) or in ms (mcu.firmware_x)")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();
   program.footer(

@@ -77,9 +77,9 @@ std::string table(const Results& results, const std::vector<std::string>& engine
     row_text.erase(row_text.find_last_not_of(' ') + 1);
     text += row_text + "\n";
   }
-  text += "emulator: engine " + engine_names().front() +
-          " unless a name ends with another engine; states are counted exactly; times are CPU "
-          "times of this process\n";
+  text += "emulator: if a name does not end with the name of an engine, the engine is " +
+          engine_names().front() +
+          "; counts of states are exact; times are CPU times of this process\n";
   for (const auto& remark : results.remarks()) text += remark + "\n";
   return text;
 }

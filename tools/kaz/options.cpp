@@ -96,10 +96,11 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
                   "Open Dynamics Engine with N iterations (1 to 1000)")
       ->type_name("reduced|exact|quickN")
       ->capture_default_str();
-  verb.add_option("--physics-step", options.physics_step_ms,
-                  "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
-                  "stays at 1 ms. Choose at most 1 ms for impacts, such as a thrown ball, and at "
-                  "most 2 ms while the robot's motors are on (docs/explanation/dynamics.md)")
+  verb.add_option(
+          "--physics-step", options.physics_step_ms,
+          "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
+          "stays at 1 ms. For impacts, choose a step of at most 1 ms. If the robot's motors "
+          "are on, choose a step of at most 2 ms (docs/explanation/dynamics.md)")
       ->check(number())
       ->type_name("MS")
       ->capture_default_str();
@@ -116,7 +117,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->check(CLI::IsMember({320, 640}));
   add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
              "raster: Kaz's own renderer of the pictures; opengl: the reference renderer, which "
-             "uses Mesa and takes three times as long");
+             "uses Mesa and takes three times as long as raster");
   verb.add_option("--seed", options.seed,
                   "seed of all noise; the same seed gives identical results")
       ->transform(whole_number())

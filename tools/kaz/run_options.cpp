@@ -30,7 +30,7 @@ Result<void> check_duration(const behavior::Behavior& behavior, const std::strin
     return fail(Fault::usage, "--duration " + text + " and --set seconds=" + seconds->second +
                                   " contradict each other; leave one out");
   if (behavior::OptionValues::parse(std::span(&*option, 1), {{"seconds", text}})) return {};
-  return fail(Fault::usage, "--duration " + text + ": give a number of seconds from " +
+  return fail(Fault::usage, "--duration " + text + ": give a number of seconds in the range " +
                                 behavior::valid_values(*option) + ", as in --duration " +
                                 std::string(option->initial));
 }
@@ -69,14 +69,14 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("FILE");
   verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
                   "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
-                  "without recording, and restore the state. The recording must be the same as "
-                  "without this option")
+                  "without recording, and restore the state. Kaz must write the same "
+                  "recording with and without this option")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
                   "vision modules to run, separated by commas: " + module_names() +
-                      ". Only behaviors that use the cameras run vision modules, and the module "
-                      "color is always one of them")
+                      ". Behaviors that use the cameras always run the module 'color'. "
+                      "Other behaviors run no vision modules")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,

@@ -49,14 +49,15 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
           "folder for report.html, result.json, measurements.csv, curves.csv, junit.xml and plots/")
       ->capture_default_str()
       ->type_name("DIR");
-  verb.add_flag("--json", arguments.json,
-                "print result.json instead of the table and the progress; the files in --out are "
-                "written too");
+  verb.add_flag(
+      "--json", arguments.json,
+      "print result.json instead of the table and the progress. Kaz also writes all files "
+      "to the folder of --out");
 }
 
 void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
   verb.add_option("--joint", arguments.joints,
-                  "joints whose motors are measured: names separated by commas, or all")
+                  "joints whose motors are measured: names separated by commas, or 'all'")
       ->capture_default_str()
       ->type_name("NAME,NAME");
   verb.add_option("--stand", arguments.target.stand,
@@ -98,9 +99,9 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
   auto* motion = verb->add_flag(
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
-          ? "during the measurements of link and tick, switch the joints on and hold the joints "
-            "still, for a realistic load. During the measurements of motors at a port without a "
-            "stand, let each joint move at full speed through its range"
+          ? "while Kaz measures the link or the tick, switch the joints on and hold the joints "
+            "still, for a realistic load. If Kaz measures motors of a board at a port, and "
+            "--stand is not given, let each joint move at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
@@ -218,8 +219,8 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->capture_default_str()
       ->type_name("DEGREES");
   verb->add_option("--seconds", recorder.seconds,
-                   "duration of each log; each log contains a complete motion, so the motion in a "
-                   "shorter log is faster")
+                   "duration of each log. Each log contains one complete motion, so a shorter "
+                   "duration makes the motion faster")
       ->check(between(2.0, 60.0))
       ->capture_default_str()
       ->type_name("S");
@@ -242,10 +243,10 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->footer(
       "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
       "of 6 s. Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
-      "During the recording, the D gain, I gain and minimum duty are 0; then Kaz restores their "
-      "values. The recording ends early in three cases: you press Ctrl-C, a limit is exceeded, or "
-      "the servo stops answering. Kaz then switches the torque off, restores the registers and "
-      "writes no file.\n"
+      "During the recording, the D gain, I gain and minimum duty are 0. After the recording, "
+      "Kaz restores their values. The recording ends early in three cases: you press Ctrl-C, a "
+      "limit is exceeded, or the servo stops answering. Kaz then switches the torque off, restores "
+      "the registers and writes no file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"
@@ -264,7 +265,7 @@ void add_fit(CLI::App& bench_verb, Action& action) {
                    "result.json of `kaz bench motor`, or the folder that contains result.json")
       ->required();
   verb->add_option("--joint", arguments->joint,
-                   "joint of the motor to fit the model to, if the report has several joints")
+                   "joint whose motor is fitted; only needed if the report has several joints")
       ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
                    "motor file with the initial parameters (default: Kaz's motor.xml)")

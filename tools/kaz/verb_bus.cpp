@@ -69,8 +69,9 @@ void add_record(CLI::App& bus, Action& action) {
   verb->add_flag("--json", options->json,
                  "print a summary of the recording as JSON, without progress messages");
   verb->footer(
-      "The servos do not drive the joints: move the robot by hand. If a joint moves faster than 4 "
-      "rad/s, Kaz slows down the whole motion in the file. After Ctrl-C, no file is written.\n"
+      "The servos do not drive the joints: move the robot by hand. If playing the recorded poses "
+      "would move a joint faster than 4 rad/s, Kaz stretches the times of all poses in the file. "
+      "After Ctrl-C, no file is written.\n"
       "Exit status: 0 the file is written; 1 no joint moved, or a joint was outside its limits; 2 "
       "wrong usage; 3 port error.\n"
       "Examples:\n"

@@ -123,9 +123,10 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
                   "floor, and the board must already have a stored calibration. With 'gauge', no "
                   "joint moves, and you enter the angles")
       ->check(CLI::IsMember({"stops", "floor", "gauge"}));
-  verb.add_option("--gauge", options.gauge,
-                  "present angle of the joint NAME, which you have measured with a gauge or a jig. "
-                  "If all joints have the same angle, NAME can be all. --gauge may be repeated")
+  verb.add_option(
+          "--gauge", options.gauge,
+          "present angle of the joint NAME. Measure this angle with a gauge or a jig. If all "
+          "joints have the same angle, give all=DEGREES. --gauge may be repeated")
       ->type_name("NAME=DEGREES")
       ->expected(1)
       ->allow_extra_args(false)
@@ -194,17 +195,17 @@ void add_joints(CLI::App& calibrate, Action& action) {
   add_joint_options(*verb, *arguments);
   add_bus_options(*verb, *bus);
   verb->footer(
-      "First the robot hangs by its trunk, and each joint is pressed gently against both stops: "
-      "head and hands, then arms, then legs. Then the robot stands on a level floor, crouches and "
-      "leans, with both soles flat on the floor. An accelerometer on the board measures the "
-      "vertical. At a port, each group of motions starts when you press Enter; the virtual robot "
-      "is suspended and set down automatically. If all joints have good readings, the calibration "
-      "is stored in the board. After Ctrl-C or an error, the board is unchanged.\n"
+      "First the robot hangs by its trunk. Kaz presses each joint gently against the joint's "
+      "two stops, in this order: head and hands, arms, legs. Then the robot stands on a level "
+      "floor, crouches and leans, with both soles flat on the floor. An accelerometer on the board "
+      "measures the vertical. At a port, each group of motions starts when you press Enter; the "
+      "virtual robot is suspended and set down automatically. If all joints have good readings, "
+      "the calibration is stored in the board. After Ctrl-C or an error, the board is unchanged.\n"
       "On a servo bus (--robot feetech:PORT or dynamixel:PORT), the servos do not drive the "
-      "joints: turn each joint by hand from one stop to the other. At the end of a turn, a servo's "
-      "position jumps back to zero. Kaz sets position offsets that move this jump out of the "
-      "joint's range. Kaz shows the EEPROM values, writes the values, and reads the values back. "
-      "The zero positions are written to bus.json.\n"
+      "joints: turn each joint by hand from one stop to the other. Once in each full rotation, a "
+      "servo's position value jumps from its maximum to zero. Kaz sets position offsets that move "
+      "this jump out of the joint's range. Kaz shows the EEPROM values, writes the values, and "
+      "reads the values back. The zero positions are written to bus.json.\n"
       "Exit status: 1 a joint has no good reading, and no calibration is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"

@@ -31,9 +31,9 @@ void add_can_bridge(CLI::App& program, Action& action) {
       ->default_str("1");
   verb->footer(
       "While the bridge runs, `--robot can:can0` reaches the board from every machine on the bus. "
-      "The page docs/reference/links.md lists the CAN identifiers and the messages that the bridge "
-      "cannot transfer. If the line or the bus is lost, the bridge connects again as soon as "
-      "possible.\n"
+      "The page docs/reference/links.md lists the CAN identifiers. The page also lists the "
+      "information that a serial line transmits and a CAN bus loses, such as pauses between bytes. "
+      "If the line or the bus is lost, the bridge connects again as soon as possible.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP, 2 wrong usage, 3 port or interface "
       "error.\n"
       "Examples:\n"

@@ -52,8 +52,8 @@ void add_conformance(CLI::App& program, Action& action) {
         arguments->bus =
             protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
       },
-      "instead of a board, check a servo on a bus; the servo must follow its manufacturer's "
-      "documentation");
+      "check a servo on a servo bus instead of a board. The cases check whether the servo follows "
+      "its manufacturer's documentation");
   bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
   verb->add_option("--id", arguments->id, "id of the servo on the bus")
       ->check(between(0, 253))
@@ -113,11 +113,12 @@ void add_conformance(CLI::App& program, Action& action) {
       ->excludes(list);
   verb->footer(
       "A virtual board passes all cases. At a port, Kaz leaves out the cases that disturb the "
-      "supply, the sensors or the serial line. At the end, also after Ctrl-C, the settings of a "
-      "board at a port are put back. If the run was killed, kaz recover puts the settings back. If "
-      "a case fails while this machine is too slow, the case runs again, up to three times. If the "
-      "machine is too slow each time, the case is undecided. All cases take a few seconds on a "
-      "virtual board, one or two minutes at a port, and about four minutes with --allow-flash.\n"
+      "supply, the sensors or the serial line. After the last case or after Ctrl-C, Kaz restores "
+      "the settings of a board at a port. If the run was killed, kaz recover puts the settings "
+      "back. If a case fails while this machine is too slow, the case runs again, up to three "
+      "times. If the machine is too slow each time, the case is undecided. All cases take a few "
+      "seconds on a virtual board, one or two minutes at a port, and about four minutes with "
+      "--allow-flash.\n"
       "With --bus, the servo's torque must be off. By default, the servo does not move, and the "
       "cases write only to RAM and restore each value. The cases take half a minute.\n"
       "Exit status: 0 all cases that ran passed; 1 a case failed; 2 wrong usage; 3 port error, or "

@@ -273,21 +273,23 @@ void add_evaluate(CLI::App& program, Action& action) {
     kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
   add_list(*verb, "--worlds", arguments->worlds,
            "only with navigate: kinds of worlds, separated by commas; the episodes use the kinds "
-           "in turn. Give all, or names from " +
+           "in turn. Give the word 'all', or names from this list: " +
                kinds);
   add_interval(*verb, "--density", arguments->density, v.density, {0, 1},
                "only with navigate: difficulty of the worlds, drawn from this range; a higher "
                "difficulty means more obstacles or narrower gaps");
   verb->add_option("--obstacles", c.variation.max_obstacles,
                    "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
-                   "'patterned-floor', 'plain-floor' and 'dark'. For the world 'two-balls', the "
-                   "maximum is half of N. Each of these worlds has at least half of its maximum")
+                   "'patterned-floor', 'plain-floor' and 'dark'. In the world 'two-balls', the "
+                   "maximum number is N / 2. In all five worlds, the minimum number is half of "
+                   "the maximum number")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
   add_interval(
       *verb, "--goal-distance", arguments->goal_distance, v.goal_distance_m, {0.3, 2.5},
-      "only with navigate, without --set goal=X,Y: distance of the goal, m, drawn from this range",
+      "distance from the robot's start to the goal, m, drawn from this range. The option is only "
+      "valid with navigate. The option is not valid with --set goal=X,Y",
       "m");
   verb->add_option("--mass-sigma", c.variation.mass_sigma,
                    "standard deviation of each link's mass, as a fraction of the mass")
@@ -330,8 +332,9 @@ void add_evaluate(CLI::App& program, Action& action) {
   auto* slurm =
       verb->add_option(
               "--slurm", arguments->slurm_tasks,
-              "run on a Slurm cluster, as a job array with this number of tasks. DIR and kaz must "
-              "be on a disk that all nodes share; --jobs is the number of processors of a task")
+              "run on a Slurm cluster, as a job array with this number of tasks. The folder "
+              "of --out and the program kaz must be on a disk that all nodes share. --jobs is the "
+              "number of processors for each task")
           ->check(between(1, 100000))
           ->type_name("TASKS");
   verb->add_option("--sbatch", arguments->sbatch,

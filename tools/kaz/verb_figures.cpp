@@ -58,11 +58,12 @@ void add_figures(CLI::App& program, Action& action) {
       ->allow_extra_args(false)
       ->take_all();
   verb->add_option("--recording", options->recording,
-                   "recording.mcap of your own run, from which the figures are drawn. Kaz repeats "
-                   "this run with the recorded seed")
+                   "recording.mcap of your own run. Kaz repeats the run with the recorded seed, "
+                   "and draws the figures from the repeated run")
       ->type_name("FILE");
   verb->add_option("--goal", options->goal,
-                   "goal of the run in figures 5 and 6, in the form of kaz run navigate --goal")
+                   "goal of the run in figures 5 and 6; the same values are valid as for --goal of "
+                   "`kaz run navigate`")
       ->type_name("X,Y[,DEGREES]|ball")
       ->capture_default_str();
   verb->add_option("--yard", options->yard, "world of figure 7, with boxes on a floor")
@@ -81,8 +82,8 @@ void add_figures(CLI::App& program, Action& action) {
       "of the head, and figure 8 shows catch-ball. Figures 1, 2 and 4 show no run. Drawing all "
       "figures takes a few minutes. Each run has its own folder, such as DIR/navigate, which "
       "contains the recording (about 1.3 MB per second).\n"
-      "Exit status: 1 a run failed, or its data are not enough for a figure; the other figures are "
-      "drawn.\n"
+      "Exit status: 1 a run failed, or the data of a run are not enough for a figure. Kaz still "
+      "draws the other figures.\n"
       "Examples:\n"
       "  kaz figures\n"
       "  kaz figures --only 3,6 --seed 7 --out seven\n"

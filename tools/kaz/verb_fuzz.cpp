@@ -60,19 +60,20 @@ void add_fuzz(CLI::App& program, Action& action) {
       "--body", arguments->body,
       "simulate the robot's whole body in a world, not only the motors; no faults are injected");
   verb->add_flag("--allow-motion", arguments->allow_motion,
-                 "required at a port, because the joints may move at random. Suspend the robot, or "
-                 "disconnect the motors' supply, and stay beside the robot");
+                 "required for a board at a port, because the robot's joints may move at random. "
+                 "Suspend the robot, or disconnect the motors' supply, and stay beside the robot");
   verb->add_flag("--wear-flash", arguments->wear_flash,
-                 "at a port: also send requests that write the board's flash");
+                 "for a board at a port: also send requests that write the board's flash");
   verb->add_flag("--json", arguments->json, "print the result as JSON, without progress messages");
   verb->footer(
-      "With --target native or --target h8, kaz fuzz checks each tick. With --target h8, Kaz "
-      "computes each tick a second time with the native board, and both results must be equal. At "
-      "a port, kaz fuzz checks the replies. THE JOINTS OF A ROBOT AT A PORT MOVE. A failing case "
-      "is shortened and written to --out. At the end, also after Ctrl-C, the settings of a board "
-      "at a port are put back. If the run was killed, kaz recover puts the settings back. Each "
-      "case chooses its own faults of line, power and sensors (docs/reference/simulator.md). The "
-      "page docs/howto/fuzzing.md lists the criteria of the checks.\n"
+      "Kaz checks the replies of each board. With --target native or --target h8, Kaz also checks "
+      "the motors in each tick. With --target h8, Kaz also computes each tick with the native "
+      "board. The outputs of the h8 board and of the native board must be equal. THE JOINTS OF A "
+      "ROBOT AT A PORT MOVE. A failing case is shortened and written to --out. After the last case "
+      "or after Ctrl-C, Kaz restores the settings of a board at a port. If the run was killed, use "
+      "the command `kaz recover` to restore the settings. Each case chooses its own faults of "
+      "line, power and sensors (docs/reference/simulator.md). The page docs/howto/fuzzing.md lists "
+      "the criteria of the checks.\n"
       "A feature is a way in which the board reacts, such as a reply with a certain status or a "
       "refusal with a certain reason. With --target native or --target h8, each combination of "
       "states inside the board is a feature, too. An example of such a combination is a shutdown "

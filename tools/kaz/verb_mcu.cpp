@@ -67,21 +67,23 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
       ->capture_default_str()
       ->type_name("N");
   verb->add_option("--engine", arguments->options.engine,
-                   "engine of the emulator: reference, interpreter or translator (the default here "
-                   "and in all other verbs)")
+                   "engine of the emulator: reference, interpreter or translator. The default in "
+                   "all verbs is translator")
       ->transform(one_of(kEngines))
       ->type_name("ENGINE");
   verb->add_option(
           "--image", arguments->options.image_path,
-          "firmware image; the .coff file must be in the same folder (default: the built image)")
+          "firmware image (default: the built image). For an S-record image, such as kaz.mot, the "
+          "COFF file of the same name (kaz.coff) must be in the folder of the image")
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "print the report as JSON, without progress messages");
   verb->footer(
-      "The firmware runs in the emulator and receives random requests, valid and invalid. The "
-      "native build gets the same input in each tick, and must have the same outputs and state. If "
-      "not, Kaz prints the first difference side by side. With --wire, Kaz compares the replies of "
-      "complete boards instead of ticks. The default settings take about five seconds; a million "
-      "ticks with the translator take a minute.\n"
+      "The firmware runs in the emulator and receives random requests, valid and invalid. In each "
+      "tick, the firmware and the native build get equal inputs, and their outputs and states must "
+      "be equal. If the outputs or states differ, Kaz prints the first difference, with the values "
+      "of the firmware and of the native build. With --wire, Kaz compares the replies of complete "
+      "boards instead of ticks. The default settings take about five seconds; a million ticks with "
+      "the translator take a minute.\n"
       "Exit status: 0 equal, 1 different.\n"
       "Examples:\n"
       "  kaz mcu compare\n"
@@ -196,7 +198,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
       ->type_name("ADDRESS");
   verb->add_option(
           "--input", options->input,
-          "send the bytes of FILE, or of standard input if FILE is -, to the pin RxD0 at line rate")
+          "send the bytes of FILE to the pin RxD0, at the baud rate that the program sets. If FILE "
+          "is '-', send the bytes of standard input")
       ->excludes("--flat")
       ->type_name("FILE");
   verb->add_option(
@@ -222,8 +225,8 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   for (const char* unused : {"--max-states", "--input", "--json", "--count"})
     verb->get_option("--gdb")->excludes(verb->get_option(unused));
   verb->footer(
-      "The program starts at the reset vector. Its output on SCI0 goes to standard output. If the "
-      "chip stops on an error, a report is printed.\n"
+      "The program starts at the reset vector. The program's output on SCI0 goes to standard "
+      "output. If the chip stops on an error, a report is printed.\n"
       "Exit status: 1 the chip stopped on an error; with --semihost, the program's own status, or "
       "125 if the program does not end by itself.\n"
       "Examples:\n"

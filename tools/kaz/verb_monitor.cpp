@@ -20,7 +20,7 @@ void add_monitor(CLI::App& program, Action& action) {
   add_address(*verb, arguments->address);
   verb->add_option("--robot-file", arguments->robot_file,
                    "URDF of a robot other than Kaz; for a servo bus (feetech:PATH[@BAUD] or "
-                   "dynamixel:PATH[@BAUD]), bus.json must be in the same folder")
+                   "dynamixel:PATH[@BAUD]), the file bus.json must be in the folder of the URDF")
       ->type_name("FILE");
   add_watch_options(*verb, *watch, false);
   verb->remove_option(verb->get_option("--view-wait"));

@@ -32,9 +32,9 @@ void add_recover(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"on", "off"}))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
-                   "file with notes of the board's settings. An interrupted run left this file, "
-                   "and the last message of that run names the file. Kaz also restores the "
-                   "calibration, gains and limits in these notes")
+                   "file in which an interrupted run noted the board's settings. The last message "
+                   "of the interrupted run names this file. Kaz also restores the calibration, "
+                   "gains and limits in this file")
       ->type_name("FILE");
   verb->add_flag(
           "--port-changed", arguments->port_changed,
@@ -43,10 +43,10 @@ void add_recover(CLI::App& program, Action& action) {
       ->needs("--from");
   verb->add_flag("--json", arguments->json, "print the result as JSON");
   verb->footer(
-      "kaz recover searches all 14 addresses, switches the motors off and resets the board. The "
-      "reset clears latched faults. Then kaz recover sets the board's address. With --from, the "
-      "calibration in the notes replaces the calibration in the board's flash. Without --from, the "
-      "calibration in the flash does not change.\n"
+      "Kaz searches all 14 addresses, switches the motors off and resets the board. The reset "
+      "clears latched faults. Then Kaz sets the board's address. With --from, the calibration in "
+      "the notes replaces the calibration in the board's flash. Without --from, the calibration in "
+      "the flash does not change.\n"
       "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
       "port error.\n"
       "Examples:\n"

@@ -12,7 +12,9 @@ namespace kaz::tools {
 
 void add_replay(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
-      "replay", "run a recording of kaz run or kaz demo again and report the first difference");
+      "replay",
+      "repeat a recorded run of kaz run or kaz demo, and report the first difference "
+      "from the recording");
   struct Arguments {
     ReplayOptions replay;
     std::vector<std::string> settings;
@@ -25,12 +27,13 @@ void add_replay(CLI::App& program, Action& action) {
       ->required()
       ->type_name("");
   auto* host = verb->add_flag("--host", arguments->host,
-                              "replay only the host, with the recorded bytes and pictures. This is "
-                              "the default, unless the recording lacks pictures that the behavior "
-                              "needs");
+                              "run only the host again. The host receives the board's recorded "
+                              "bytes and the recorded pictures. --host is the default, unless the "
+                              "behavior needs pictures that the recording does not contain");
   verb->add_flag("--whole", arguments->whole,
-                 "run host and simulation again from the seed, and compare every message (the "
-                 "default if the behavior needs pictures that the recording does not contain)")
+                 "run the host and the simulation again from the seed, and compare all new "
+                 "messages with the recorded messages. --whole is the default if the behavior "
+                 "needs pictures that the recording does not contain")
       ->excludes(host);
   verb->add_option("--seed", arguments->replay.seed,
                    "seed for the new run, instead of the seed in the recording; implies --whole")
@@ -66,9 +69,9 @@ void add_replay(CLI::App& program, Action& action) {
       "first difference, the position of the first difference in the stream of bytes, and the "
       "message with the first difference. Use --host to test changed host programs with the "
       "recorded data of a virtual robot.\n"
-      "--view and --video only show the recording, and run nothing again. --view plays the "
-      "recording until Ctrl-C; the page has controls to pause and jump. --video draws the film "
-      "from the recorded poses.\n"
+      "With --view or --video, Kaz only shows the recording, and does not repeat the run. --view "
+      "plays the recording until Ctrl-C; the page has controls to pause and jump. --video draws "
+      "the film from the recorded poses.\n"
       "Exit status: 0 the replay is identical, or the recording was played or filmed; 1 the replay "
       "is different.\n"
       "Examples:\n"

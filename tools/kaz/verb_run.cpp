@@ -186,7 +186,7 @@ void add_run(CLI::App& program, Action& action) {
                    "also sets the size of the pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", session.backend.reconnect_s,
-                   "at a port: how long to retry a lost link before the run ends")
+                   "at a port: maximum time to reconnect after the link is lost")
       ->check(between(0, 3600))
       ->capture_default_str()
       ->type_name("SECONDS");
@@ -201,7 +201,8 @@ void add_run(CLI::App& program, Action& action) {
       ->type_name("X,Y[,DEGREES]|ball");
   verb->add_option(
           "--poses", arguments->poses,
-          "for play: file of poses (docs/howto/watch.md), for example from kaz run pose --view")
+          "file of poses for the behavior 'play' (see docs/howto/watch.md and `kaz run pose "
+          "--view`)")
       ->type_name("FILE");
   add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
   auto list = std::make_shared<bool>(false);
@@ -223,8 +224,8 @@ void add_run(CLI::App& program, Action& action) {
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str(
-      "the world catch for the behavior catch-ball, the world boxes for navigate, and the world "
-      "ball for other behaviors");
+      "world 'catch' for the behavior 'catch-ball', world 'boxes' for 'navigate', world 'ball' for "
+      "all other behaviors");
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {

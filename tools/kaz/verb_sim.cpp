@@ -111,8 +111,8 @@ void add_sim(CLI::App& program, Action& action) {
                               "run as fast as possible, not in real time");
   verb->add_option("--clock", arguments->real_time.clock_path,
                    "take the simulated time from an external clock. Kaz creates a Unix socket at "
-                   "this path, and the clock sends the time to this socket. Between these "
-                   "messages, the simulation stands still")
+                   "this path, and the clock sends times to this socket. The simulation advances "
+                   "to the latest time that the clock has sent, and then waits for the next time")
       ->type_name("PATH")
       ->excludes(fast);
   verb->add_option("--memory", arguments->memory,
@@ -128,8 +128,8 @@ void add_sim(CLI::App& program, Action& action) {
                    "only this file")
       ->type_name("FILE");
   verb->add_flag("--suspended", arguments->backend.suspended,
-                 "hang the robot by its trunk, so that its feet are free, as for kaz calibrate "
-                 "joints --only stops");
+                 "hang the robot by its trunk, so that its feet are free. The command `kaz "
+                 "calibrate joints --only stops` needs a suspended robot");
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");
@@ -139,8 +139,8 @@ void add_sim(CLI::App& program, Action& action) {
       "bench operates the stand's clamp, scale, weight and supply through the control socket");
   auto bus = std::make_shared<std::string>();
   verb->add_option("--bus", *bus,
-                   "simulate a servo bus instead of a servo board; the file bus.json beside "
-                   "--robot-file lists the servos (docs/howto/own-arm.md)")
+                   "simulate a servo bus instead of a servo board. The file bus.json in the folder "
+                   "of the URDF (--robot-file) lists the servos (docs/howto/own-arm.md)")
       ->check(CLI::IsMember({"feetech", "dynamixel"}))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
@@ -153,9 +153,10 @@ void add_sim(CLI::App& program, Action& action) {
   add_watch_options(*verb, *watch, false);
   verb->footer(
       "The symbolic link that --serial names behaves like a serial port with a board at the other "
-      "end. The control socket PATH.ctl, where PATH is the path in --serial, accepts one command "
-      "per line, such as reset, mode, power, plug, fault, stand and status. The command `help` "
-      "lists all commands. Ctrl-C ends the simulator, which then removes its link and sockets.\n"
+      "end. The path of the control socket is the path in --serial, followed by '.ctl'. The "
+      "control socket accepts one command per line, such as reset, mode, power, plug, fault, stand "
+      "and status. The command `help` lists all commands. Ctrl-C ends the simulator, which then "
+      "removes its link and sockets.\n"
       "Exit status: 0 ended by Ctrl-C, SIGTERM or SIGHUP.\n"
       "Examples:\n"
       "  kaz sim --serial board --cameras board.eyes\n"

@@ -89,8 +89,9 @@ void add_learn(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   verb->add_flag("--json", arguments->json, "also print the thresholds as JSON");
   verb->footer(
-      "Kaz prints which share of the rest of the picture also has this color. If this share is "
-      "above a quarter, Kaz prints a warning, because only the object should have the color.\n"
+      "Kaz counts the pixels outside the region that also have the learned color. Kaz prints their "
+      "number as a percentage of all pixels outside the region. If the percentage is above 25 %, "
+      "Kaz prints a warning, because only the object should have the color.\n"
       "Examples:\n"
       "  kaz eyes --world ball --eye-width 640 --out eyes\n"
       "  kaz vision learn-color --in eyes/left_raw.png --region 415,330,24,24 --out ball.json");
@@ -126,8 +127,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->type_name("DIR");
   verb->add_option("--modules", options->modules,
                    "modules to run, separated by commas: " + module_names() +
-                       "; the module color finds the ball by its color, and the other modules need "
-                       "stereo pairs")
+                       "; the module 'color' finds the ball by its color, and the other modules "
+                       "need stereo pairs")
       ->capture_default_str()
       ->type_name("LIST");
   verb->add_option("--color", options->color,
@@ -136,13 +137,14 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
                        "calibration file of the cameras, written by kaz calibrate stereo. Stereo "
-                       "pairs (--left and --right) and v4l2 cameras need this file. A folder needs "
-                       "either this file or --view. Pictures in a folder count as pictures of the "
-                       "left eye")
+                       "pairs (--left and --right) and v4l2 cameras need this file. For one "
+                       "picture or a folder of pictures, give either this file or --view; Kaz "
+                       "treats the pictures as pictures of the left eye")
           ->type_name("FILE");
   verb->add_option(
           "--view", options->view_deg,
-          "for a folder without calibration: horizontal field of view of a pinhole camera, degrees")
+          "for one picture or a folder of pictures, without --calibration: horizontal field of "
+          "view of a pinhole camera, degrees")
       ->check(between(1.0, 170.0))
       ->excludes(calibration)
       ->type_name("DEGREES");

@@ -167,8 +167,8 @@ Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions c
   if (!arguments.view) return run_campaign(campaign);
   if (campaign.realtime)
     return fail(Fault::usage,
-                "--view is not valid with --realtime, because each episode then runs in two other "
-                "processes; leave --view or --realtime out");
+                "--view is not valid with --realtime, because --realtime runs each episode in two "
+                "separate processes; leave --view or --realtime out");
   auto options = KAZ_TRY(view_of(arguments, ""));
   options.token = watch::make_token();
   {

@@ -17,8 +17,8 @@ struct CalibratedJoints {
   // `stops` is the calibration from the mechanical stops only. `all` is the calibration from the stops and
   // the floor.
   JointLines stops, all;
-  // Standard deviation of the joint angles with calibration `all`: root mean square over the joint's range,
-  // and maximum.
+  // Standard deviation of the error of a joint angle with the calibration `all`. `expected_rad`: root mean
+  // square over the joint's range. `worst_rad`: maximum over the joint's range.
   std::array<double, KZ_JOINTS> expected_rad{}, worst_rad{};
   // Each equation of the calibration has a residual and a standard deviation. `worst_residual` is the largest
   // ratio of a residual to the standard deviation of the same equation.
@@ -26,13 +26,14 @@ struct CalibratedJoints {
   double seconds = 0;  // simulated duration of the calibration
 };
 
-// Calibrates a suspended robot on its stops. Then calibrates a robot with the same seed on the floor of
-// options.world_path. Uses no ground truth. Returns Fault::failed if a stop cannot be read. Also returns
-// errors from the robot and the board.
+// First, a suspended robot moves its joints to the mechanical stops, and the calibration `stops` is computed.
+// Then another robot with the same seed takes readings while standing on the floor, and the calibration `all`
+// is computed. The world file of both robots is `options.world_path`. Uses no ground truth. Returns
+// Fault::failed if a stop cannot be read. Also returns errors from the robot and the board.
 Result<CalibratedJoints> calibrate_joints(const sim::SimulationOptions& options);
 
-// Calls calibrate_joints(), makes another robot with the same options, and stores the calibration `all` on
-// the board of this robot. Returns the contents of the board's flash in hexadecimal, for
+// Calls calibrate_joints(), makes a new robot with the same options, and stores the calibration `all` on the
+// board of the new robot. Returns the contents of the board's flash in hexadecimal, for
 // SimulationOptions::memory.
 Result<std::string> calibrated_memory(const sim::SimulationOptions& options);
 

@@ -42,7 +42,7 @@ Time FlashBench::now() const {
 }
 
 Error FlashBench::unplugged() const {
-  return {Fault::environment, "port bench was closed: the board was unplugged"};
+  return {Fault::environment, "the port `bench` was closed, because the board was unplugged"};
 }
 
 Result<void> FlashBench::step() {

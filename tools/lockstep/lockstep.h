@@ -3,9 +3,10 @@
 //
 // Host and simulation do not depend on each other; this module connects the two.
 //
-// Waiting advances the simulation. sleep_until() and read() step the simulation by whole milliseconds until
-// the given time is reached or bytes have arrived. No wall clock is read. Single-threaded. The simulation
-// must outlive all objects of this file.
+// Waiting advances the simulation. A call of sleep_until() steps the simulation by whole milliseconds until
+// the given time is reached. A call of read() steps the simulation by whole milliseconds until bytes have
+// arrived or the deadline is reached. No wall clock is read. Single-threaded. The simulation must outlive all
+// objects of this file.
 #pragma once
 
 #include "host/link/link.h"
@@ -37,7 +38,7 @@ class LockstepLink final : public host::Link {
   sim::Simulation& simulation_;
 };
 
-// Keeps the simulation's eyes open during the lifetime of this object.
+// While this object exists, the simulation renders picture pairs (see Simulation::open_eyes()).
 class LockstepCamera final : public vision::Camera {
  public:
   explicit LockstepCamera(sim::Simulation& simulation);

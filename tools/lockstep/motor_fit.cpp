@@ -240,7 +240,7 @@ void compare_curve(MotorFit& fit, const hil::Plot& measured, const hil::Plot& be
     std::ranges::stable_sort(plot.series[i].points, {}, &std::pair<double, double>::first);
   }
   plot.caption =
-      "Measured values, and the results of the same bench with the model before and after the fit.";
+      "Measured values, values of the model before the fit, and values of the model after the fit.";
   fit.plots.push_back(std::move(plot));
 }
 
@@ -298,8 +298,8 @@ Result<Bench> bench_of(const hil::BenchReport& report, const std::string& joint,
   if (!(bench.disc_kgm2 > 0) || !(bench.supply_volts > 0))
     return fail(
         Fault::usage,
-        "the report does not contain disc and supply; a fit needs a report made with a motor stand "
-        "(--stand)");
+        "the report lacks the disc's inertia or the supply voltage; a fit needs a report made with "
+        "a motor stand (--stand)");
   return bench;
 }
 

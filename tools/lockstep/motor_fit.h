@@ -59,9 +59,10 @@ struct MotorFitOptions {
 };
 
 // Fits the model to the report `measured`. Returns Fault::usage if no parameter of the motor can be
-// determined from the report. Returns Fault::usage if the report contains no motor, or if disc or supply are
-// missing or invalid. Also returns Fault::usage if the report has several joints and options.joint is empty.
-// Other errors come from the simulation.
+// determined from the report. Returns Fault::usage if the report contains no measurement of a motor. Returns
+// Fault::usage if the report lacks `disc_kgm2` or `supply_volts`. Returns Fault::usage if the value of
+// `disc_kgm2`, `supply_volts` or `pressing_s` is out of range. Also returns Fault::usage if the report has
+// several joints and options.joint is empty. Other errors come from the simulation.
 Result<MotorFit> fit_motor(const hil::BenchReport& measured, const MotorFitOptions& options);
 
 }  // namespace kaz::lockstep

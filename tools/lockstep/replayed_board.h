@@ -3,9 +3,9 @@
 //
 // step() advances time by one millisecond, like the simulation. Pictures and the board's bytes arrive at the
 // host at their recorded times. Every byte from the host is compared with the recorded byte. The arrival time
-// of each byte must also be equal. Arrival times are counted in periods of the board's crystal. Line faults
-// change the bytes in the same way as in the recorded run, because the recorded seed is used.
-// Single-threaded.
+// of the byte at the board must be equal to the recorded arrival time. Arrival times are counted in periods
+// of the board's crystal. Line faults change the bytes in the same way as in the recorded run, because the
+// recorded seed is used. Single-threaded.
 #pragma once
 
 #include <deque>
@@ -23,8 +23,10 @@ namespace kaz::lockstep {
 // First difference between the host and the recording.
 struct HostDifference {
   Time time{};
-  std::string where;          // position, such as "byte 1234 to the board" or "the end"
-  std::string recorded, now;  // the byte or entry in the recording and in the present run, as text
+  std::string where;  // position, such as "byte 1234 to the board" or "the end"
+  // `recorded` describes the byte or entry in the recording. `now` describes the byte or entry in the present
+  // run.
+  std::string recorded, now;
 };
 
 class ReplayedBoard {
@@ -52,11 +54,12 @@ class ReplayedBoard {
   // Call this function after the host has finished. Detects recorded bytes and entries that the host did not
   // produce.
   void finish();
-  // First difference in the bytes to the board. If all bytes are equal, but the host ends earlier than in the
-  // recording, the end counts as the difference. A later end also counts, unless the recording is cut off.
+  // First difference in the bytes to the board. If all bytes are equal, but the host ends earlier or later
+  // than in the recording, the end counts as the difference. Exception: if the recording is cut off, a host
+  // that ends later than the recording is no difference.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference in the behavior's entries. If different entries cause different bytes, the entries
-  // differ first and show the cause.
+  // First difference in the behavior's entries. A different entry can be the cause of different bytes to the
+  // board.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:

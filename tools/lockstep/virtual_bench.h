@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The bench has no robot: each joint is a motor that turns freely. The motor's speed follows its drive with a
-// first-order lag. The bench is therefore fast, and tests can disturb every input of the board. Waiting
-// advances time in steps of 1/8 ms.
+// first-order lag. This simple model makes the bench fast. Tests can disturb every input of the board.
+// Waiting advances time in steps of 1/8 ms.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 //
 // The conventions are the same as in OpenCV: pinhole model, Brown-Conrady distortion, rectification by a
 // rotation of each camera. The coefficients of the distortion (Brown 1966) have the order k1 k2 p1 p2 k3.
-// Pixel centers at integers.
+// The center of a pixel has integer coordinates.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct StereoCalibration {
     Lens lens;
     Eigen::Matrix3d rectified_from_camera = Eigen::Matrix3d::Identity();  // OpenCV's R1, R2
   };
-  int width = 0, height = 0;  // picture size, raw and rectified
+  int width = 0, height = 0;  // size of every picture, raw or rectified
   Eye left, right;
   // Camera model of both eyes; baseline along +x of the rectified left frame.
   CameraModel rectified;

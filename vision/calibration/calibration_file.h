@@ -4,8 +4,9 @@
 // Keys: image_width, image_height, camera_matrix_left, distortion_coefficients_left (and _right). R and T are
 // rotation and translation (m) from the left to the right camera, as cv::stereoCalibrate returns them. R1,
 // R2, P1, P2 and Q describe the rectification. The short names M1, D1, M2 and D2 of OpenCV's stereo sample
-// are also accepted. If a file has no R1, R2, P1 and P2, the rectification is computed with
-// cv::stereoRectify. The options are CALIB_ZERO_DISPARITY and alpha = 0, which gives hardly any black edges.
+// are also accepted. If a file has none of the keys R1, R2, P1 and P2, the rectification is computed by
+// cv::stereoRectify with CALIB_ZERO_DISPARITY and alpha = 0. With alpha = 0, rectified pictures have hardly
+// any black edges.
 #pragma once
 
 #include <string>
@@ -38,9 +39,9 @@ std::string calibration_text(const StereoCalibration& calibration, CalibrationFo
                              const std::vector<std::pair<std::string, double>>& notes = {},
                              const std::string& date = "");
 
-// Computes rectified_from_camera and `rectified`. The computation uses the lenses and the given transform
-// between the cameras, `x_right = R x_left + T` (m). Errors: the eyes are at the same position or exchanged;
-// one eye is above the other; the lenses cannot be rectified.
+// Computes `rectified` and, for each eye, `rectified_from_camera`. The computation uses the lenses and the
+// given transform between the cameras, `x_right = R x_left + T` (m). Errors: the eyes are at the same
+// position or exchanged; one eye is above the other; the lenses cannot be rectified.
 Result<void> rectify_pair(StereoCalibration& calibration, const Eigen::Matrix3d& right_from_left,
                           const Eigen::Vector3d& left_origin_in_right);
 

@@ -15,7 +15,7 @@ class Rectifier {
  public:
   explicit Rectifier(const StereoCalibration& calibration);
   // Both raw pictures must have the size of the calibration; the function does not check the size.
-  // `rectified` must be another object than `raw`.
+  // `rectified` and `raw` must not be the same object.
   void rectify(const StereoImages& raw, StereoImages& rectified) const;
 
  private:

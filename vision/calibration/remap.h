@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Interpolation is bilinear in 8-bit codes, with fractions of 1/128 pixel. All arithmetic is done with
-// integers, so the results are the same on every machine, with and without vectors.
+// integers. Therefore the results are the same on every machine, with or without SIMD instructions.
 #pragma once
 
 #include <cstdint>
@@ -68,7 +68,8 @@ class Remap {
 
   Size size_, source_;
   std::vector<Tap> taps_;
-  // By row: 1 if the row uses the last pixel of the source. Vector loads would read beyond this last pixel.
+  // For each row of the result: 1 if the row uses the last pixel of the source. Such a row is computed by
+  // row_plain(), because row_sse2() and row_avx2() read a few bytes beyond the pixels that they use.
   std::vector<std::uint8_t> at_end_;
 };
 

@@ -230,7 +230,9 @@ Board largest_board(const Image& image, Board board) {
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height) {
   if (board.columns < 3 || board.rows < 3 || !(board.square_m > 0))
-    return fail(Fault::usage, "a board needs at least 3 x 3 inner corners and squares above 0 m");
+    return fail(Fault::usage,
+                "a board must have at least 3 x 3 inner corners, and the width of its squares must "
+                "be above 0 m");
   const auto corners =
       static_cast<std::size_t>(board.columns) * static_cast<std::size_t>(board.rows);
   for (const auto& pair : pairs) {

@@ -3,7 +3,7 @@
 //
 // Method: Zhang (2000) as implemented by OpenCV, with subpixel corners. First, each lens is calibrated from
 // all pictures in which the whole board is visible. Then both lenses and the transform between the eyes are
-// fitted together by least squares of the reprojection error. Pixel centers at integers.
+// fitted together by least squares of the reprojection error. The center of a pixel has integer coordinates.
 #pragma once
 
 #include <span>
@@ -68,9 +68,10 @@ struct StereoResult {
   double row_rms_px = 0;  // rms of the row differences of all pairs
 };
 
-// Calibrates from pictures of `width` x `height`. Returns an error if both eyes see the board in fewer than
-// kLeastPairs pairs. Other errors: the board has fewer than 3 x 3 inner corners; the number of corners in a
-// pair does not match the board; the fit fails.
+// Calibrates from pictures of `width` x `height`. Both eyes must see the whole board in at least kLeastPairs
+// pairs; otherwise the function returns an error. Also returns an error if the board has fewer than 3 x 3
+// inner corners, or if the side of a square is not positive. Also returns an error if the number of corners
+// in a picture does not match the board, or if the fit fails.
 Result<StereoResult> calibrate_stereo(std::span<const BoardPair> pairs, const Board& board,
                                       int width, int height);
 

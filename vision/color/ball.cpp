@@ -181,9 +181,9 @@ std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
                       static_cast<std::size_t>(std::max(image.height, 0));
   if (pixels == 0 || image.rgb.size() != 3 * pixels) {
     return Error{Fault::environment, "a picture of " + std::to_string(image.width) + " x " +
-                                         std::to_string(image.height) + " has " +
+                                         std::to_string(image.height) + " pixels with " +
                                          std::to_string(image.rgb.size()) +
-                                         " bytes: check the camera or the file"};
+                                         " bytes is not valid: check the camera or the file"};
   }
   if (camera.width != image.width || camera.height != image.height) {
     return Error{Fault::usage, "a picture of " + std::to_string(image.width) + " x " +

@@ -22,9 +22,9 @@ struct BallOptions {
   ColorRange color = ColorRange::red_ball();
   int min_area = 12;  // minimum number of pixels; smaller regions are noise
   // Balls with a confidence below this value are not reported. The default was chosen on test pictures of
-  // whole, cut off and half hidden balls among red and orange clutter (docs/explanation/vision.md). For each
-  // threshold, the missed, wrong and false detections were counted. The default is the highest threshold
-  // whose count exceeds the lowest count by at most one standard error.
+  // whole, cut off and half hidden balls among red and orange clutter. For each threshold, the mistakes of
+  // the detector on these pictures were counted. Among the thresholds with nearly the fewest mistakes (within
+  // one standard error), the default is the highest threshold.
   double min_confidence = 0.68;
 };
 
@@ -45,7 +45,8 @@ struct BallObservation {
   // The confidence is reduced if less than a third of the circumference is visible. The confidence is also
   // reduced if motion blur exceeds a sixth of the radius, because the distance is then uncertain.
   double confidence = 0;
-  // Set if the picture could not be searched: camera gone, no pixels, wrong size. `found` is then false.
+  // Set if the picture could not be searched: camera gone, no pixels, wrong size. If `error` is set, `found`
+  // is false.
   std::optional<Error> error;
 
   Eigen::Vector3d position() const { return direction * distance_m; }  // m, optical frame

@@ -11,9 +11,10 @@
 // Edge model: a disk of radius R is blurred by a Gaussian of standard deviation sigma. At the distance r from
 // the center, the coverage is approximately Phi((p - r) / sigma), where Phi is the cumulative normal
 // distribution. The blur does not change the sum of the coverage over all pixels, which is the area of the
-// disk. It follows that p^2 = R^2 - sigma^2. The fit determines p, sigma and the center from all pixels along
-// the outline of the cone in the image. Blur is important for small balls: for a radius R of 2.5 px, p is a
-// tenth less than R.
+// disk. The area of the disk is pi R^2. In the approximation, the sum of the coverage is pi (p^2 + sigma^2).
+// Therefore p^2 + sigma^2 = R^2. The fit determines p, sigma and the center from all pixels along the outline
+// of the cone in the image. Blur is important for small balls. Example: if R is 2.5 px and sigma is 1.1 px, p
+// is 10 % smaller than R.
 //
 // Units: px in the image, rad for the cone. Frame: optical, rays with z = 1.
 #pragma once
@@ -50,8 +51,9 @@ struct EdgeFit {
 
 // Fits the cone, starting at `cone`, which must be accurate to about a pixel. Uses only pixels in the sectors
 // `seen`. Returns nullopt if the contrast is too low or there are too few pixels. Also returns nullopt if the
-// fit moves the edge by more than about a third of the radius (or 1.2 px, if this is more). After such a
-// large change, the fit is less accurate than `cone`.
+// fit changes the half angle or the direction of the axis by more than a limit. The limit is the larger of
+// two angles: 0.35 times the half angle of `cone`, and the angle that corresponds to 1.2 px. After a change
+// beyond the limit, the fitted cone is less accurate than `cone`.
 std::optional<EdgeFit> fit_edge(const Image& image, const CameraModel& camera, const Cone& cone,
                                 const EdgeSectors& seen);
 

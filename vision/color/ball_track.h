@@ -8,12 +8,16 @@
 // the floor. The bounce changes the covariance by a saltation matrix (N. Kong et al., "Saltation Matrices",
 // 2023). A ball on the floor stays on the floor and slows down.
 //
-// The position errors of an observation at distance D are computed from the errors of the outline. Across the
-// ray, the errors s_c of the center (px) and s_p of the posture (rad) cause
-// the position error D sqrt((s_c / f)^2 + s_p^2). Along the ray, the error s_r of the radius (px) causes the
-// position error D^2 s_r / (f r), because radius_px = f r / D. Here f is the focal length (px) and r the
-// ball's radius (m). So the direction is accurate, and the error of the distance grows with the square of the
-// distance. Units: m, s, px, rad.
+// The position errors of an observation are computed from these quantities:
+//   D    distance of the ball, m
+//   r    radius of the ball, m
+//   f    focal length, px
+//   s_c  error of the outline's center, px
+//   s_r  error of the outline's radius, px
+//   s_p  error of the posture, rad
+// The position error across the ray is D sqrt((s_c / f)^2 + s_p^2). The radius of the outline is f r / D.
+// Therefore the position error along the ray is D^2 s_r / (f r). So the direction is accurate, and the error
+// of the distance grows with the square of the distance. Units: m, s, px, rad.
 #pragma once
 
 #include <deque>
@@ -38,8 +42,9 @@ struct BallTrackOptions {
   double initial_speed_m_s = 1;  // standard deviation of the speed before the second observation
   double gate = 8;               // Mahalanobis distance above which an observation is an outlier
   Time lost_after = std::chrono::milliseconds(500);
-  // Maximum time by which the exposure of a late observation precedes the exposure of the newest observation.
-  // A larger difference means that the clock was set back.
+  // An observation is late if its exposure is earlier than the newest exposure by at most this time. If an
+  // observation's exposure is earlier than the newest exposure by more than this time, the clock was set
+  // back.
   Time latest_late = std::chrono::seconds(1);
   std::optional<double> floor_m;  // height of the floor; nullopt: gravity is not modeled
   double restitution = 0.6;
@@ -55,8 +60,9 @@ struct BallState {
 };
 
 // Returns the covariance of an observed position in the fixed frame, m^2. The covariance is s_across^2 I +
-// (s_along^2 - s_across^2) r r^T. Here r is the unit ray, and s_across and s_along are the position errors
-// given at the top of this file. `in_eye` is the position in the optical frame, m.
+// (s_along^2 - s_across^2) r r^T. Here r is the unit ray. The position error across the ray is s_across, and
+// the position error along the ray is s_along (formulas: top of this file). `in_eye` is the position in the
+// optical frame, m.
 Eigen::Matrix3d ball_covariance(const Eigen::Vector3d& in_eye, double focal_px,
                                 const Eigen::Matrix3d& fixed_from_eye,
                                 const BallTrackOptions& options);

@@ -34,14 +34,14 @@ struct ColorRange {
   // Range of hue, a wedge in the IQ plane, rad; hue_min < hue_max < hue_min + pi. If hue_min and hue_max are
   // both 0, hue is not checked.
   double hue_min = 0, hue_max = 0;
-  // Lower bound of the saturation, the ratio chroma / lightness: 0 for gray, 2.1 for pure red. The bound is
-  // only used together with a range of hue. Here chroma is the component of (I, Q) along the middle of the
-  // wedge. At the sides of the wedge, chroma is hypot(I, Q) multiplied by the cosine of half the wedge's
-  // width.
+  // Lower bound of the saturation. The saturation is the ratio chroma / lightness: the saturation of gray is
+  // 0, and the saturation of pure red is 2.1. If hue_min and hue_max are both 0, saturation_min is ignored.
+  // Chroma is the component of (I, Q) along the middle of the wedge. At the sides of the wedge, chroma is
+  // hypot(I, Q) multiplied by the cosine of half the wedge's width.
   double saturation_min = 0;
 
-  // Returns the range of the red ball: the hue is within 14 degrees of the hue of pure red, which is 19.5
-  // degrees. The color is vivid and not almost black.
+  // Returns the range of the red ball. The hue of pure red is 19.5 degrees, and the range contains hues from
+  // 5.5 to 33.5 degrees. The range excludes pale colors and nearly black colors.
   static ColorRange red_ball();
 };
 

@@ -16,8 +16,8 @@ struct LearnedColor {
   double inside = 0;   // share of the region's pixels that are in the color range
   double outside = 0;  // share of all other pixels that are in the color range
 
-  // Maximum plausible `outside`. A larger share means that the thresholds select nearly everything, since
-  // only a very near object covers that much of a picture.
+  // Maximum plausible value of `outside`. If `outside` is above kLargestObject, the thresholds select nearly
+  // everything. Only a very near object covers more than a quarter of a picture.
   static constexpr double kLargestObject = 0.25;
   bool too_common() const { return outside > kLargestObject; }
 };

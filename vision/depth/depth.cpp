@@ -64,7 +64,7 @@ Result<void> check_camera(const CameraModel& camera, int width, int height) {
     return fail(Fault::usage, "depth: the pictures have " + size_text(width, height) +
                                   " pixels, but the camera model has " +
                                   size_text(camera.width, camera.height) +
-                                  ": use a calibration of this size");
+                                  ": use a calibration for the size of the pictures");
   return {};
 }
 
@@ -184,9 +184,10 @@ void point_cloud(const DepthImage& depth, PointCloud& cloud) {
 
 Result<void> point_cloud_before_foot(const DepthImage& depth, PointCloud& cloud) {
   if (!depth.info.posture_known)
-    return fail(Fault::failed,
-                "depth: the posture at the exposure of the picture is not known, so no point can "
-                "be transformed to the foot: wait for the board's state");
+    return fail(
+        Fault::failed,
+        "depth: the robot's posture at the exposure of the picture is not known, so the points "
+        "cannot be given relative to the foot: wait until the board has sent its state");
   point_cloud(depth, cloud);
   const Eigen::Isometry3f foot_from_eye = depth.info.foot_from_eye.cast<float>();
   for (Eigen::Vector3f& p : cloud.points) p = foot_from_eye * p;

@@ -1,7 +1,7 @@
 // Computes depth from a rectified stereo pair: disparity, depth, and points in the optical or the foot frame.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The method is block matching (K. Konolige, "Small vision systems", ISRR 1997). The pictures are first
+// The method is block matching, as in: Konolige, "Small vision systems", ISRR 1997. The pictures are first
 // filtered by a horizontal derivative, so that differences of exposure and shading cancel out. A match is
 // accepted only if it passes three tests.
 // - The block has enough texture (`min_texture`), and not all edges in the block run along the rows
@@ -16,8 +16,9 @@
 // disparities. Matching returns the disparity of the strongest edges, wherever these edges are in the block.
 // Therefore the largest slanted planes are fitted to the disparities (depth_slants.h). For each plane, the
 // right picture is warped so that the plane becomes fronto-parallel. The left picture is then matched with
-// the warped picture. A new match within 1 px of the plane replaces the first match if the new cost is at
-// most 25 % higher (kMaxCost_percent, depth_rows.h). This extension does not need the posture.
+// the warped picture. If a new match lies within 1 px of the plane and costs at most 1.25 times as much as
+// the first match, the new match replaces the first match. The factor 1.25 is kMaxCost_percent in
+// depth_rows.h. This extension does not need the posture.
 //
 // In the right picture, a point appears further left than in the left picture. For a point at depth z, the
 // difference is the disparity `d = fx * baseline / z` (px). Frames: optical (x right, y down, z forward,
@@ -42,9 +43,10 @@ struct DepthOptions {
   // multiple of 16 px. This range determines the computing time.
   double nearest_m = 0.14;
   int block_px = 15;  // side of the compared blocks; odd, 5..21
-  // Minimum sum of the absolute codes of the filtered picture over a block of 15 x 15 px. For other block
-  // sizes the value is scaled by the area. On a surface without texture, noise with a standard deviation of
-  // 1.6 codes gives a sum of 1000. Blocks that contain only noise have no meaningful match.
+  // Minimum texture of a block of 15 x 15 px. The texture of a block is the sum of the absolute horizontal
+  // derivatives at the pixels of the block. For other block sizes, the minimum is scaled by the area of the
+  // block. On a surface of uniform color, noise with a standard deviation of 1.6 gray codes gives a sum of
+  // 1000. Blocks that contain only noise have no meaningful match.
   int min_texture = 1000;
   // Minimum share by which the costs of other disparities must exceed the lowest cost, percent.
   int uniqueness_percent = 10;
@@ -57,7 +59,7 @@ struct DepthOptions {
 
 // One disparity per pixel of the left picture; rows from the top, no padding.
 struct DepthImage {
-  FrameInfo info;  // frame information of the pair
+  FrameInfo info;  // time, camera model and posture of the pair
   int width = 0, height = 0;
   std::vector<float> disparity_px;  // 0: unknown
 
@@ -92,10 +94,11 @@ class DepthFinder {
   // - an empty or truncated picture.
   // - a picture whose width or height is above 8192 pixels.
   // - a picture whose width or height is at most two blocks.
-  // - pictures of different sizes, or of another size than the camera model.
+  // - pictures of different sizes, or pictures that do not have the size given in the camera model.
   // - a picture of one uniform color, for example because the lens is covered or there is no light.
   // - a camera model without focal length or baseline.
-  // - options out of range, including a nearest_m at which the pictures do not overlap.
+  // - options out of range, or a `nearest_m` at which the disparity is not less than the width of the
+  //   picture.
   Result<void> find(const StereoImages& pair, const FrameInfo& info, DepthImage& depth);
   Result<void> find(const GreyPicture& left, const GreyPicture& right, const FrameInfo& info,
                     DepthImage& depth);

@@ -7,10 +7,10 @@
 //
 //   dd = e Sxy / Sxx,   Sxx = sum of gx^2, Sxy = sum of gx gy
 //
-// Here gx is the derivative along the row, and gy the derivative across the row. J. Shi, C. Tomasi, "Good
-// features to track", CVPR 1994, uses the same sums. Edges of a checkered floor may run nearly along the
-// rows. For such edges, e = 1/3 px changes the disparity by several px. The computed points are then
-// centimeters off the floor.
+// Here gx is the derivative along the row, and gy the derivative across the row. Shi and Tomasi use the same
+// sums in "Good features to track", CVPR 1994. Edges of a checkered floor may run nearly along the rows. For
+// such edges, e = 1/3 px changes the disparity by several px. The computed points are then centimeters off
+// the floor.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class BlockAperture {
 
  private:
   std::vector<std::int32_t> products_;  // gx^2 and gx gy of each pixel in the rows of the block
-  // For each column: sums of products_ over the rows of the block.
+  // For each column: sums of the elements of `products_` over the rows of the block.
   std::vector<std::int32_t> columns_;
 };
 

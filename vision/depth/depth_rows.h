@@ -11,8 +11,8 @@
 namespace kaz::vision {
 
 // Winner of each column: the disparity d of minimum cost C(d), and the costs C(d), C(d - 1) and C(d + 1).
-// `in_doubt` is the number of disparities whose costs do not exceed doubt(). This number includes d itself.
-// If no winner was wanted for a column, the entries of the column are undefined.
+// `in_doubt` is the number of disparities with costs up to the uniqueness threshold doubt(). The winner d is
+// one of these disparities. If no winner was wanted for a column, the entries of the column are undefined.
 struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
@@ -37,14 +37,15 @@ struct BlockRow {
   // yet, all bits are 1.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in units of 1/65536 of the minimum cost
-  bool full;                   // true: the block has all rows, so winners are found
+  bool full;                   // true: the lowest row of the blocks enters, so winners are found
   RowWinners winners;          // winners of the middle row
   const std::uint8_t* wanted;  // by pixel of the middle row: 0 if no winner is needed
 };
 void match_row(const BlockRow& row, bool vectors);
 
-// Returns the uniqueness threshold. Costs up to this threshold put the winner in doubt. The threshold is
-// `min_cost * (1 + share / 65536)`, but less than INT16_MAX.
+// Returns the uniqueness threshold for a winner with the cost `min_cost`. If a disparity more than 1 px away
+// from the winner has a cost up to the threshold, the winner is not unique. The threshold is `min_cost * (1 +
+// share / 65536)`, but at most INT16_MAX - 1.
 inline int doubt(int min_cost, int share) {
   const int limit = min_cost + ((min_cost * share) >> 16);
   return limit < INT16_MAX ? limit : INT16_MAX - 1;
@@ -72,7 +73,7 @@ struct MatchedRow {
 // the minimum. Therefore the minimum is at this disparity: `d + (p - q) / (2 * (max(p, q) - C(d)))`. A match
 // is good if all of these hold:
 // - A match is wanted at column u, and d is not at an end of the range.
-// - No disparity except d - 1 and d + 1 is in doubt.
+// - Every disparity other than d - 1, d and d + 1 has a cost above the uniqueness threshold doubt().
 // - The winner of the matched pixel of the right picture is within `left_right_px` of d.
 inline bool judge(const MatchedRow& r, int u, float& disparity) {
   const RowWinners& w = r.winners;
@@ -98,9 +99,9 @@ constexpr float kOn_px = 1;
 // Maximum distance of a fronto-parallel match from the plane. A match farther away belongs to another object.
 constexpr float kNear_px = 3;
 // Maximum cost of a slanted block relative to the cost of the fronto-parallel block. The slanted cost is the
-// minimum over kAround disparities; the fronto-parallel cost is the minimum over all disparities. Noise makes
-// a minimum over more values smaller. Therefore a correct slanted block may cost more than the
-// fronto-parallel block.
+// minimum over kAround disparities; the fronto-parallel cost is the minimum over all disparities. With noise,
+// the minimum over all disparities is often smaller than the minimum over kAround disparities. Therefore a
+// correct slanted block may cost more than the fronto-parallel block.
 constexpr int kMaxCost_percent = 125;
 
 // Marks in `wanted` the pixels of row v that may lie on the plane. Returns whether any pixel is marked.
@@ -108,9 +109,9 @@ bool near_row(const DisparityPlane& plane, int v, const float* disparity,
               const std::uint8_t* textured, int width, std::uint8_t* wanted, bool vectors);
 
 // Evaluates the matches of blocks that are slanted like the plane. A good match on the plane replaces
-// disparity and cost of the pixel. In the warped picture, points of the plane have disparity kAround / 2.
-// Therefore the function subtracts kAround / 2 from the disparity of a match, and adds the plane's disparity
-// at the matched column.
+// disparity and cost of the pixel. The right picture was warped so that points of the plane have disparity
+// kAround / 2. Therefore the function subtracts kAround / 2 from the disparity of a match, and adds the
+// plane's disparity at the matched column.
 void take_slanted_row(const MatchedRow& row, const DisparityPlane& plane, int v, float* disparity,
                       std::int16_t* cost, bool vectors);
 

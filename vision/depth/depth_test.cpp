@@ -209,7 +209,8 @@ TEST(Depth, PicturesThatHaveNoneAreErrors) {
   const Image tiny = plain_picture(8, 8, kTestGrey), half = plain_picture(160, 120, kTestGrey);
   EXPECT_TRUE(says(message(tiny, tiny, test_camera(8, 8)), "too few"));
   EXPECT_TRUE(says(message(good, half, camera), "one size"));
-  EXPECT_TRUE(says(message(good, good, test_camera(160, 120)), "calibration of this size"));
+  EXPECT_TRUE(
+      says(message(good, good, test_camera(160, 120)), "calibration for the size of the pictures"));
   const Image plain = plain_picture(320, 240, kTestGrey);
   EXPECT_TRUE(says(message(plain, good, camera), "left picture has a single color"));
   EXPECT_TRUE(says(message(good, plain, camera), "right picture has a single color"));

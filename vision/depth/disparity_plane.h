@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). A point at depth z has the
-// disparity d = fx B / z, where B is the baseline. A plane has the equation n . p = D. Division by z D / (fx
-// B) turns this equation into a linear equation of the pixel coordinates:
+// disparity d = fx B / z, where B is the baseline. A plane has the equation n . p = D. Dividing n . p = D by
+// z D / (fx B) gives an equation that is linear in the pixel coordinates:
 //
 //   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx)
 //
@@ -45,8 +45,8 @@ class PlaneFit {
     n_ += 1;
     right_ += d * Eigen::Vector3d(u, v, 1);
   }
-  // Solves these normal equations, with sums over all points. Returns false if the points are (nearly)
-  // collinear.
+  // Solves the normal equations below. The elements of the matrix and of the right side are sums over all
+  // points. Returns false if the points are (nearly) collinear.
   //   [uu uv u]   [a]   [ud]
   //   [uv vv v] * [b] = [vd]
   //   [u  v  n]   [c]   [d ]

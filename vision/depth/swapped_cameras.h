@@ -6,15 +6,16 @@
 
 namespace kaz::vision {
 
-// Result of eye_order(). The result is `unclear` if both orders of the pictures give hardly any depth, as in
-// darkness, or if DepthFinder returns an error. The result is also `unclear` if both orders give similar
-// amounts of depth, as with a repeating pattern.
+// Result of eye_order(). The result is `unclear` if DepthFinder returns an error. In darkness, the result is
+// `unclear` because hardly any pixel gets a depth. With a repeating pattern, the result is `unclear` because
+// both orders of the pictures give a depth for a similar number of pixels.
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
-// Compares the depth of the pair with the depth of the exchanged pair. If the pictures are swapped, objects
-// are further right in the right picture than in the left picture. Block matching expects objects
-// further left in the right picture, and therefore finds less depth in swapped pictures. Computes two small
-// depth images.
+// Computes two small depth images: one from the pair as given, and one from the pair with left and right
+// exchanged. Compares the numbers of pixels with known depth in these two images. If the pictures are
+// swapped, objects are further right in the right picture than in the left picture. Block matching expects
+// objects further left in the right picture. Therefore block matching finds the depth of fewer pixels if the
+// pictures are swapped.
 EyeOrder eye_order(const StereoImages& pair, const FrameInfo& info,
                    const DepthOptions& options = {});
 
@@ -27,10 +28,12 @@ class SwappedCameras {
 
   explicit SwappedCameras(const DepthOptions& options = {}) : options_(options) {}
 
-  // Evaluates the first kFirst pairs, then one pair per kInterval of exposure time. Other pairs are ignored.
+  // Evaluates the first kFirst pairs. Ignores a later pair if its exposure is less than kInterval after the
+  // exposure of the previously evaluated pair.
   void look(const StereoImages& pair, const FrameInfo& info);
-  // Returns true if at least two thirds of the clear pairs are swapped. In addition, the number of swapped
-  // pairs must be at least three, or at least half of the number of evaluated pairs.
+  // Returns true if both of these conditions hold:
+  // - At least two thirds of the pairs with the result `swapped` or `as_named` have the result `swapped`.
+  // - At least three pairs, or at least half of the evaluated pairs, have the result `swapped`.
   bool found() const;
 
  private:
@@ -41,7 +44,7 @@ class SwappedCameras {
 
 // Message for the user if found() returns true.
 inline constexpr const char* kSwappedCameras =
-    "left and right look exchanged, because only exchanged pictures give depth: exchange the "
-    "pictures or the cameras, or calibrate the cameras again";
+    "left and right look exchanged, because the pair gives more depth after an exchange of its "
+    "pictures: exchange the pictures or the cameras, or calibrate the cameras again";
 
 }  // namespace kaz::vision

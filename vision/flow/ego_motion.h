@@ -38,10 +38,10 @@ class EgoMotion {
   Eigen::Vector3d ray(double u, double v) const {
     return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
   }
-  // Computes the flow (px) of a static point at pixel (u, v): pi(R r + w t) - (u, v). In this formula,
-  // r is the ray of the pixel, and w is the inverse depth (1/m). The projection is pi, and later() returns
-  // the transform (R, t). Returns false if the later depth of the point is negative, or less than 5 % of the
-  // earlier depth.
+  // Computes the flow (px) of a static point at pixel (u, v): project(R r + w t) - (u, v). In this formula, r
+  // is the ray of the pixel, w is the inverse depth (1/m), and later() returns the transform (R, t). The
+  // function project() is the pinhole projection to pixels. Returns false if the later depth of the point is
+  // negative, or less than 5 % of the earlier depth.
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;

@@ -1,11 +1,12 @@
 // Finds dense optical flow between two pictures of one eye: the displacement of each pixel, px.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Dense inverse search (T. Kroeger, R. Timofte, D. Dai, L. Van Gool, "Fast Optical Flow using Dense Inverse
-// Search", ECCV 2016) as implemented by OpenCV. OpenCV's ultrafast preset is used. The search compares
-// patches of 8 x 8 pixels in reduced pictures, which have a quarter of the width and height. The flow is then
-// validated patch by patch on the same reduced pictures. Validation takes only a fraction of the computing
-// time of the search. The flow of a pixel is valid only if the patch around the pixel passes three tests.
+// The method is dense inverse search, as implemented by OpenCV, with OpenCV's ultrafast preset. Source:
+// Kroeger, Timofte, Dai and Van Gool, "Fast Optical Flow using Dense Inverse Search", ECCV 2016. The search
+// compares patches of 8 x 8 pixels in reduced pictures, which have a quarter of the width and height. The
+// flow is then validated patch by patch on the same reduced pictures. Validation takes only a fraction of the
+// computing time of the search. The flow of a pixel is valid only if the patch around the pixel passes three
+// tests.
 // - The later picture at the displaced position matches the patch, except for a change of brightness
 //   (`max_unlike`).
 // - The patch has enough texture in two directions, so that the expected standard error of the flow is small
@@ -13,8 +14,9 @@
 // - The search has converged: a further Lucas-Kanade step is short (`max_step_px`). This convergence test
 //   replaces a forward-backward check, which would need the backward flow.
 // The flow of all other pixels is NaN. Flow is the displacement (px) of a point between the two pictures. A
-// point at pixel (u, v) of the earlier picture is at (u, v) + flow in the later picture. The same two
-// pictures always give the same flow, regardless of earlier calls.
+// point at pixel (u, v) of the earlier picture is at (u, v) + flow in the later picture. As long as the
+// number of OpenCV's threads does not change, the same two pictures give the same flow, regardless of earlier
+// calls.
 #pragma once
 
 #include <cmath>
@@ -34,9 +36,10 @@ namespace kaz::vision {
 struct FlowOptions {
   // Maximum expected standard error of the flow, px: sqrt(s^2 / (n lambda)). Here s^2 is the mean square
   // residual of the patch, but at least the variance of the noise. The patch has n pixels. The mean structure
-  // tensor of the patch has the smaller eigenvalue lambda.
+  // tensor of the patch has two eigenvalues, and the smaller one is lambda.
   double max_error_px = 0.6;
-  // Maximum ratio of the residual variance at the displaced position to the brightness variance of the patch.
+  // Maximum ratio of two variances over the pixels of the patch. The numerator is the variance of the
+  // brightness change along the flow. The denominator is the variance of the brightness.
   double max_unlike = 0.35;
   double max_step_px = 1.0;  // maximum further Lucas-Kanade step, px of the full picture
 };
@@ -47,7 +50,7 @@ struct FlowOptions {
 struct FlowCertainty {
   float xx = 0, xy = 0, yy = 0;
 
-  // Returns the squared Mahalanobis distance of a flow that deviates by `off` (px).
+  // Returns the squared Mahalanobis distance between this patch's flow and a flow that differs by `off` (px).
   float surprise(const Eigen::Vector2f& off) const {
     return xx * off.x() * off.x() + 2 * xy * off.x() * off.y() + yy * off.y() * off.y();
   }
@@ -58,11 +61,12 @@ struct FlowImage {
 
   FrameInfo before, after;
   int width = 0, height = 0;
-  // Displacement (right, down) per pixel; both NaN if unknown.
+  // Displacement of each pixel to the right and down. Where the displacement is unknown, both components are
+  // NaN.
   std::vector<Eigen::Vector2f> flow_px;
-  // Number of cells, and certainty of each cell, in rows from the top. The last cell of a row or column also
-  // contains the remaining pixels at the right or lower edge. In each cell, the flow is known for all pixels
-  // or for no pixel.
+  // The picture has `cells_across` x `cells_down` cells. `certainty` has one element per cell, row by row
+  // from the top. The last cell of a row or column also contains the remaining pixels at the right or lower
+  // edge. In each cell, the flow is known for all pixels or for no pixel.
   int cells_across = 0, cells_down = 0;
   std::vector<FlowCertainty> certainty;
 
@@ -84,11 +88,12 @@ class FlowFinder {
   FlowFinder& operator=(FlowFinder&&) noexcept;
 
   // Finds the flow from `before` to `after`. Reuses the memory of `flow`; after an error, the contents of
-  // `flow` are undefined. Set `continued` if `before` was the picture `after` of the previous call. A gray
-  // picture from the previous call can then be reused, which saves time and does not change the flow. Errors:
+  // `flow` are undefined. If `before` is the picture that was `after` in the previous call, set `continued`
+  // to true. The gray picture from the previous call can then be reused, which saves time and does not change
+  // the flow. Errors:
   // - an empty or truncated picture.
   // - a picture whose width or height is outside the range of 64 to 8192 pixels.
-  // - pictures of different sizes, or of another size than the camera model.
+  // - pictures of different sizes, or pictures that do not have the size given in the camera model.
   // - a camera model without focal length, or two different camera models.
   // - an exposure of `after` that is not later than the exposure of `before`, because the clock jumped back
   //   or the same picture came twice.

@@ -33,9 +33,9 @@ class FlowProducts {
   explicit FlowProducts(bool vectors = true) : vectors_(vectors) {}
   void resize(int width, int height);
   // Computes the products of row y of the earlier reduced picture from `row` and the adjacent rows `up` and
-  // `down`. Row y must be neither the first nor the last. `there` is the brightness of the later picture at
-  // the position to which the flow leads, and is valid where `compared` is not 0. The first and last pixel of
-  // the row count as not compared.
+  // `down`. Row y must be neither the first nor the last. For each pixel of the row, `there` is the
+  // brightness of the later picture at the position to which the flow leads. Where `compared` is 0, the value
+  // of `there` is ignored. In each row, the first pixel and the last pixel count as not compared.
   void set_row(int y, const float* up, const float* row, const float* down, const float* there,
                const float* compared);
   // Returns the sums over the patches around the pixels of row y: one row of sums per product. The rows are
@@ -67,15 +67,18 @@ struct FlowCertaintyRow {
   float *xx, *xy, *yy;
 };
 
-// Validates the cells of a row and writes the certainty of each cell. <x> is the weighted mean of x over the
-// patch of a cell. Units: px of the reduced picture, and gray codes.
+// Validates the cells of a row and writes the certainty of each cell. Here mean(x) is the weighted mean of x
+// over the patch of a cell. Units: px of the reduced picture, and gray codes.
 // - Structure tensor G = (xx xy; xy yy). The smaller eigenvalue of G is
 //   `lesser = (xx + yy) / 2 - sqrt(((xx - yy) / 2)^2 + xy^2)`.
-// - Residual variance s^2 (`unlike`) = <d d> - <d>^2, brightness variance (`varies`) = <q q> - <q>^2.
+// - Residual variance (`unlike`): s^2 = mean(d d) - mean(d)^2.
+// - Brightness variance (`varies`): mean(q q) - mean(q)^2.
 // - Test of the similarity: `s^2 <= max_unlike * varies + noise`.
 // - Test of the standard error: `s^2 / (n * lesser) <= max_error^2`. Here n is kFlowPatch^2, and s^2 is at
 //   least the noise.
-// - Further Lucas-Kanade step: |G^-1 b|^2 <= max_step^2, with b = <g d> - <g> <d>.
+// - Test of the patch: at least half of the patch's pixels were compared.
+// - Test of a further Lucas-Kanade step: `|G^-1 b|^2 <= max_step^2`. Here b is mean(g d) - mean(g) mean(d),
+//   and g is the gradient (gx, gy).
 // The certainty is n G / s^2, converted to 1/px^2 of the full picture. Where a test fails, the certainty is
 // 0.
 void judge_flow_row(const FlowProducts::Rows& sums, const float* compared, int width,

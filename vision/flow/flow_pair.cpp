@@ -42,7 +42,7 @@ Result<void> check_picture(const char* name, const ImageView& picture, const Cam
   if (camera.width != width || camera.height != height)
     return fail(Fault::usage, what + "has " + size + " pixels, but its camera model has " +
                                   size_text(camera.width, camera.height) +
-                                  ": use a calibration of this size");
+                                  ": use a calibration for the size of the picture");
   return {};
 }
 
@@ -62,11 +62,13 @@ Result<void> check_flow_pair(const ImageView& before, const FrameInfo& info_befo
     return fail(Fault::usage,
                 "flow: the camera models of the two pictures differ: both must come from one eye");
   if (info_after.exposure <= info_before.exposure)
-    return fail(Fault::failed,
-                "flow: the later picture was exposed " +
-                    std::to_string(seconds(between(info_before.exposure, info_after.exposure))) +
-                    " s before the earlier one or at the same time: the clock jumped back, so "
-                    "start again with the later picture");
+    return fail(
+        Fault::failed,
+        "flow: the second picture must be exposed after the first picture, but the first picture "
+        "was exposed " +
+            std::to_string(seconds(between(info_before.exposure, info_after.exposure))) +
+            " s after the second picture: the clock jumped back, so start again with the "
+            "second picture");
   return {};
 }
 

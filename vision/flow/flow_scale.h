@@ -28,9 +28,10 @@ class FlowEnlarger {
   void enlarge(const float* small, float factor, float* full);
 
  private:
+  // One interpolated value is `a0 * v[at] + a1 * v[at + 1]`, where v is a row or a column of the small flow.
   struct Tap {
-    int at;        // index of the first of the two interpolated values
-    float a0, a1;  // weights
+    int at;
+    float a0, a1;
   };
   static std::vector<Tap> taps(int small, int full);
   void enlarge_row(const float* small, float* to) const;

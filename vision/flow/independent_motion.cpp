@@ -94,9 +94,10 @@ Result<void> IndependentMotionDetector::find(const FlowImage& flow, const Pictur
   find_candidates(flow, depth, moving);
   if (moving.turn_error_rad.norm() > options_.max_posture_error_rad ||
       moving.shift_error_m.norm() > options_.max_posture_error_m)
-    return fail(Fault::failed,
-                "moving: most of the flow does not match the robot's posture, because the robot "
-                "slips or falls, or a moving object covers most of the picture: use the next pair");
+    return fail(
+        Fault::failed,
+        "moving: most of the flow does not match the robot's posture. Either the robot slips or "
+        "falls, or a moving object covers most of the picture: use the next pair");
   if (std::ranges::find(candidates_.pixels, 255) == candidates_.pixels.end()) return {};
   const auto reader = [](const Picture& p, std::vector<float>& codes) {
     grey_codes(p.bytes, p.channels, codes);

@@ -8,8 +8,8 @@
 // 1. Where the depth image is valid, the interval is given by the stereo disparity plus or minus one pixel.
 // 2. Elsewhere, if the ray meets the floor plane, the point is on the floor or up to `highest_on_floor_m`
 //    above the floor.
-// 3. In all other cases (above the horizon, or far away) the interval is [0, 1 / nearest_elsewhere_m]. The
-//    predicted flow then depends mainly on the rotation.
+// 3. In all other cases (above the horizon, or far away), the interval is [0, 1 / nearest_elsewhere_m]. The
+//    predicted flow of far points depends mainly on the rotation of the camera.
 //
 // An interval of inverse depths maps to a line segment of predicted flows. The residual is the vector from
 // the nearest point of this line segment to the measured flow. A cell is a candidate if the residual passes
@@ -45,13 +45,16 @@ namespace kaz::vision {
 
 struct IndependentMotionOptions {
   double flow_error_px = 1.0;  // error bound of the flow
-  // Minimum depth of the robot's own shoulders. A region may be a shoulder if the region reaches the lowest
-  // tenth of the image and has no stereo depth. Such a region is dropped if a static object at a depth of at
-  // least nearest_body_m would cause the same flow.
+  // Minimum depth of the robot's own shoulders. A region is dropped as a shoulder if two conditions are met.
+  // Condition 1: the region reaches the lowest tenth of the image. Condition 2: in more than two thirds of
+  // the region's cells, stereo depth is unknown and the flow fits a static object. The static object may have
+  // any depth from `nearest_body_m`.
   double nearest_body_m = 0.05;
-  // Standard deviations of the ego-motion that is computed from the postures, and maximum accepted
-  // corrections of this ego-motion. The errors come from noise and quantization of the potentiometers,
-  // backlash of 0.4 degrees, and sway.
+  // The ego-motion is computed from the postures and then corrected with the flow. `posture_error_rad` and
+  // `posture_error_m` are the standard deviations of the ego-motion before this correction.
+  // `max_posture_error_rad` and `max_posture_error_m` are the largest accepted corrections. The errors of
+  // the ego-motion come from noise and quantization of the potentiometers, backlash of 0.4 degrees, and
+  // sway.
   double posture_error_rad = 0.005, max_posture_error_rad = 0.03;
   double posture_error_m = 0.002, max_posture_error_m = 0.01;
   double min_surprise = 3;  // minimum Mahalanobis distance of a candidate's residual
@@ -62,7 +65,8 @@ struct IndependentMotionOptions {
   // Like min_proven_cells, but as a share of the region's cells.
   double min_proven = 0.2;
   double highest_on_floor_m = 0.10;
-  // Minimum depth of points for which neither stereo nor the floor limits the depth.
+  // If neither stereo nor the floor gives the depth of a point, the depth is assumed to be at least
+  // `nearest_elsewhere_m`.
   double nearest_elsewhere_m = 0.5;
 };
 
@@ -95,7 +99,7 @@ struct MovingRegions {
   // Size of the grid of cells, as in the flow image. residual_px, depth and label have one entry per cell.
   int cells_across = 0, cells_down = 0;
   std::vector<Eigen::Vector2f> residual_px;  // NaN where flow is unknown
-  // Source of the depth interval; none: the flow is unknown.
+  // Source of the depth interval. The value `none` means that the flow is unknown.
   std::vector<Depth> depth;
   std::vector<std::uint8_t> label;    // region number from 1; 0: static or unknown
   std::vector<MovingRegion> regions;  // largest first, at most 255
@@ -112,9 +116,11 @@ class IndependentMotionDetector {
   // - the posture is unknown at one of the exposures.
   // - the camera pose jumped (over 5 m/s or 20 rad/s), for example because the supporting foot changed.
   // - the flow contradicts the postures by more than the largest accepted corrections.
-  // - the depth image has another exposure or size than the images, or the images have another size than the
-  //   flow.
+  // - the exposure of the depth image is neither the exposure of `before` nor the exposure of `after`.
+  // - the images, the depth image and the flow image differ in size.
   // - the flow image is empty.
+  // - no time passed between the exposures.
+  // - the depth image has no camera model.
   Result<void> find(const FlowImage& flow, const Image& before, const Image& after,
                     const DepthImage* depth, MovingRegions& moving);
   Result<void> find(const FlowImage& flow, const GreyPicture& before, const GreyPicture& after,

@@ -32,9 +32,9 @@ struct FlowPoint {
     lost,          // the point left the picture, or no match was found
     inconsistent,  // the forward-backward error is too large
   };
-  Eigen::Vector2f before, after;  // px; `after` is undefined if lost
+  Eigen::Vector2f before, after;  // px; `after` is undefined if the status is `lost`
   Status status = Status::lost;
-  float return_px = 0;  // forward-backward error, px; 0 if lost
+  float return_px = 0;  // forward-backward error, px; 0 if the status is `lost`
 
   bool followed() const { return status == Status::followed; }
 };

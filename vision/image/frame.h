@@ -69,8 +69,8 @@ class Camera {
   virtual ~Camera() = default;
   virtual const CameraModel& model() const = 0;
   // Returns the next pair that has reached the host, oldest first, or nullopt if no pair is waiting. Never
-  // blocks. An error is final: no more pairs will come, for example because the camera is gone. The error's
-  // message contains the reason.
+  // blocks. An error is final: after an error, poll() returns no more pairs. The error's message contains
+  // the reason.
   virtual Result<std::optional<StereoPair>> poll() = 0;
 };
 

@@ -27,8 +27,8 @@ struct Region {
   std::vector<Run> runs;                         // from top to bottom, left to right
 };
 
-// Labels connected components by runs of pixels and union-find. The computing time is about the time to read
-// the mask once.
+// Splits each row into runs of selected pixels, and joins touching runs into regions by union-find. The
+// computing time is about the time to read the mask once.
 class RegionFinder {
  public:
   // Returns all regions of at least `min_area` pixels, largest first. Regions of equal area are in scan order

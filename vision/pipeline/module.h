@@ -78,9 +78,10 @@ class Module {
   virtual std::string name() const = 0;
   // Names of the modules whose results look() reads.
   virtual std::vector<std::string> needs() const { return {}; }
-  // Declared latency, only used in lockstep: the simulated time from the module's inputs to the delivery of
-  // the module's result. The latency counts from the delivery of the last needed result. For a module that
-  // needs no results, the latency counts from the arrival of the pair. The real computing time has no effect.
+  // Declared latency, only used in lockstep: the simulated time from the arrival of the module's inputs to
+  // the delivery of the module's result. The latency counts from the delivery of the last needed result. For
+  // a module that needs no results, the latency counts from the arrival of the pair. The real computing time
+  // has no effect.
   virtual Time latency() const = 0;
   // Processes one frame. The pipeline calls look() on the module's own thread for one frame at a time, in
   // order of arrival. The type of the result must be copyable and the same for all frames. If look() returns

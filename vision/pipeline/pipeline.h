@@ -3,12 +3,12 @@
 //
 // As in the paper (section 4.1), a module broadcasts its result and the frame information to dependent
 // modules. A pipeline runs at one of two paces.
-// - Lockstep: every frame is processed. Each result is delivered with a delay after the arrival of the
-//   module's inputs. The delay is exactly the module's declared latency, in simulated time. Repeating a run
-//   gives the same results at the same times.
-// - Real time: each result is delivered as soon as the result is computed. If frames arrive while a module is
-//   busy, the module continues with the newest frame. The module drops and counts the older frames, which are
-//   also dropped for dependent modules.
+// - Lockstep: every frame is processed. In simulated time, the delay from the arrival of a module's inputs
+//   to the delivery of the module's result is exactly the module's declared latency. Repeating a run gives
+//   the same results at the same times.
+// - Real time: each result is delivered as soon as the result is computed. If frames arrive while a module
+//   is busy, the module continues with the newest frame. The module drops and counts the older frames.
+//   Dependent modules also drop and count these frames.
 #pragma once
 
 #include <cstdint>

@@ -15,14 +15,15 @@ constexpr int kMaxPlanes = 16;
 class PlanePixels {
  public:
   void begin(const CellGrid& grid);
-  // Adds a plane and the connected parts of the plane. Each part is a list of cell numbers. There can be 255
-  // segments in total.
+  // Adds a plane and the connected parts of the plane. Each part is a list of cell numbers. All planes
+  // together have at most 255 parts; further parts are ignored.
   void add(const DisparityPlane& plane, const std::vector<std::vector<int>>& parts);
   int planes() const { return static_cast<int>(planes_.size()); }
 
-  // Labels each pixel with the plane that is nearest in disparity. Only the planes of the pixel's cell and of
-  // the adjacent cells are compared. A pixel gets no label if its disparity differs from the disparity of the
-  // nearest plane by `tolerance` (px) or more. Also computes the geometry of the segments.
+  // Labels each pixel with the plane that is nearest in disparity. A pixel can be labeled only with a
+  // plane that has a part in the pixel's cell or in an adjacent cell. A pixel gets no label if its disparity
+  // differs from the disparity of the nearest plane by `tolerance` (px) or more. Also computes the geometry
+  // of the segments.
   void assign(const DepthImage& depth, float tolerance, PlaneSegments& found);
 
  private:
@@ -57,8 +58,9 @@ class PlanePixels {
   // For each plane and cell: number of the segment, counted from 1; 0: no segment.
   std::vector<std::vector<std::uint8_t>> segment_at_;
   std::vector<Sums> sums_;
-  std::vector<float> square_;  // per pixel column of a run of cells
-  std::vector<int> count_;
+  // For each pixel column of a run of cells: sum of the squared residuals of the labeled pixels, px^2.
+  std::vector<float> square_;
+  std::vector<int> count_;  // for each pixel column of a run of cells: number of labeled pixels
 };
 
 }  // namespace kaz::vision

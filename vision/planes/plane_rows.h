@@ -1,5 +1,5 @@
-// The two pixel loops of plane segmentation. Both loops use the processor's widest vectors. Tests can disable
-// vectors; the results are the same.
+// The two pixel loops of plane segmentation. Both loops use AVX2 vectors if the processor has AVX2. Tests can
+// disable vectors; the results are the same.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace kaz::vision {
 
-// A disparity is known only if the disparity is above 0 and below this value.
+// A disparity is known if the disparity is above 0 and below `kMaxDisparity_px`.
 constexpr float kMaxDisparity_px = 1e9F;
 
 // Statistics of the known disparities of each pixel column over several rows.
@@ -23,9 +23,9 @@ struct ColumnSums {
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Labels the pixels of a row. A pixel in column x gets `label` if the difference between the pixel's
-// disparity and `start + slope * x` is less than `tolerance`. Other pixels get label 0. Adds the labeled
-// pixels to each column's count and sum of squared residuals.
+// Labels the pixels of a row. A pixel in column x gets `label` if the pixel's disparity is above 0 and
+// differs from `start + slope * x` by less than `tolerance`. Other pixels get label 0. If the pixel in column
+// x gets `label`, `count[x]` increases by 1, and `square[x]` increases by the squared difference.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

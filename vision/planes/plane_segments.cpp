@@ -28,7 +28,7 @@ Result<void> check(const DepthImage& depth, const PlaneOptions& o) {
       static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height))
     return fail(Fault::usage, "planes: the depth image has " +
                                   std::to_string(depth.disparity_px.size()) +
-                                  " values, not one per pixel: it is truncated");
+                                  " values, but must have one value per pixel");
   if (!positive(c.fx) || !positive(c.fy) || !std::isfinite(c.cx) || !std::isfinite(c.cy) ||
       !positive(c.baseline_m))
     return fail(Fault::usage,

@@ -3,9 +3,9 @@
 //
 // The paper finds the floor with the Plane Segment Finder (section 4.1; K. Okada, S. Kagami, M. Inaba, H.
 // Inoue, "Plane segment finder: algorithm, implementation and applications", ICRA 2001). The Plane Segment
-// Finder finds planes by a randomized three-dimensional Hough transform, and then fits each plane to the
-// regions on this plane. We had no access to the text of Okada et al. and follow the description in the
-// paper.
+// Finder first finds planes by a randomized three-dimensional Hough transform. Then the Plane Segment Finder
+// fits each plane to the image regions that lie on the plane. We had no access to the text of Okada et al.
+// and follow the description in the paper.
 // 1. Three neighboring points, drawn at random, define a plane: the plane's normal and its distance from the
 //    eye. Each triple of points is one vote for the plane through these points.
 // 2. A peak of votes is taken as a plane. The plane is then fitted to the points near the plane.
@@ -55,10 +55,12 @@ struct PlaneSegment {
   double error_m = 0;     // rms distance of the segment's pixels perpendicular to the plane, m
   int pixels = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // bounding box, inclusive, px
-  // `middle` is the mean of the points; `along` and `across` are the directions (unit vectors) in which the
-  // points spread most and least in the plane. The extents in these directions, length_m and width_m, are
-  // measured between the middles of the outermost squares. The real segment may be larger. At each end, the
-  // segment may extend beyond the middle of the outermost square by up to one and a half squares.
+  // `middle` is the mean of the points. `along` and `across` are perpendicular unit vectors in the plane.
+  // The points spread most in the direction `along`, and least in the direction `across`. `length_m` is the
+  // extent of the points in the direction `along`. `width_m` is the extent in the direction `across`. Both
+  // extents are measured between the middles of the outermost squares. The real segment may be larger. At
+  // each end, the segment may extend beyond the middle of the outermost square by up to one and a half
+  // squares.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
   double length_m = 0, width_m = 0;

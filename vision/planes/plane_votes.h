@@ -17,9 +17,10 @@ namespace kaz::vision {
 // 12 % wide.
 class PlaneVotes {
  public:
-  // Samples triples of cells where `open` is set. Returns up to 6 planes with the most votes, best first. No
-  // two of these planes are in adjacent bins. `open_cells` lists the cells where `open` is set. The result is
-  // valid until the next call.
+  // Draws triples of neighboring cells; a triple votes only if `open` is not 0 for all three cells. Returns
+  // up to 6 planes with the most votes, best first. No two of these planes are in adjacent bins.
+  // `open_cells` lists the numbers of all cells for which `open` is not 0. The result is valid until the
+  // next call.
   std::span<const DisparityPlane> count(const CellGrid& grid, std::span<const std::uint8_t> open,
                                         std::span<const int> open_cells, const CameraModel& camera,
                                         int triples, Random& random);

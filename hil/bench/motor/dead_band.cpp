@@ -76,15 +76,17 @@ void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_vol
     judge.leave_out(motor.name(), "friction.breakaway",
                     "this measurement needs a value of stall.slope from the same run");
   }
-  judge.add({"dead_band",
-             motor.name(),
-             "Dead band",
-             "supply, V",
-             "motor voltage when the shaft begins to turn, V",
-             false,
-             {forward, backward},
-             "Motor voltage (duty times supply) at which the shaft began to turn. A different "
-             "supply voltage changes this motor voltage by at most one duty step (1/255)."});
+  judge.add(
+      {"dead_band",
+       motor.name(),
+       "Dead band",
+       "supply, V",
+       "motor voltage when the shaft begins to turn, V",
+       false,
+       {forward, backward},
+       "Motor voltage (duty times supply) at which the shaft began to turn. At another "
+       "supply voltage, this motor voltage differs by at most one duty step (1/255 of the supply "
+       "voltage)."});
 }
 
 }  // namespace kaz::hil

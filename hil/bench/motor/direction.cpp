@@ -40,11 +40,12 @@ bool measure_direction(MotorOnBench& motor, BenchJudge& judge, bool enter_good) 
     if (change[0] == 0) change[0] = turned_by(motor, duty);
     if (change[1] == 0) change[1] = turned_by(motor, -duty);
   }
-  check(change[0] != 0 && change[1] != 0, change[0] == 0 && change[1] == 0
-                                              ? "the shaft did not turn at half of full duty"
-                                              : std::string("the shaft turned only at a ") +
-                                                    (change[0] != 0 ? "positive" : "negative") +
-                                                    " duty, up to half of full duty");
+  check(
+      change[0] != 0 && change[1] != 0,
+      change[0] == 0 && change[1] == 0 ? "the shaft did not turn at half of full duty"
+      : change[0] != 0
+          ? "up to half of full duty, the shaft turned at positive duty but not at negative duty"
+          : "up to half of full duty, the shaft turned at negative duty but not at positive duty");
   check(change[0] * change[1] < 0,
         "the shaft turned in the same direction at positive and at negative duty: remove the load "
         "that turns the shaft, such as a weight");

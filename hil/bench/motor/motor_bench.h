@@ -18,8 +18,8 @@ namespace kaz::hil {
 struct MotorBenchOptions {
   int joint = 2;
   std::string filter;  // regular expression for names of measurements; empty: all measurements
-  // Gains of the control loop, the same for every joint. The default is the board's default gains, not the
-  // smaller gains of the hands.
+  // Gains of the control loop, the same for every joint. By default, hands also get KZ_KP_DEFAULT and
+  // KZ_KD_DEFAULT.
   host::Gains gains;
   // Supply voltage of the stand, unless a measurement sets another voltage.
   double supply_volts = 10;
@@ -27,7 +27,7 @@ struct MotorBenchOptions {
   std::function<void(double share, const std::string& what)> progress;
 };
 
-// Returns connection options. The timeout of the link watchdog is long enough for the tools of a stand.
+// Returns connection options. The timeout of the link watchdog is 0.5 s, the minimum for bench_motor().
 host::ConnectOptions bench_connection();
 
 // Error (usage): the filter is not a regular expression, or matches no measurement of a motor.

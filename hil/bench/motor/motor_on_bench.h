@@ -28,8 +28,8 @@ using Trace = std::vector<Sample>;
 class MotorOnBench {
  public:
   // `stand` may be null. The robot's link watchdog must be 0.5 s or more. The constructor sets the joint's
-  // gains to `gains` and the joint's limits to the limits after a reset. The destructor restores the previous
-  // gains and limits.
+  // gains to `gains`, and resets the joint's limits to their default values. The destructor restores the
+  // previous gains and limits.
   MotorOnBench(host::Robot& robot, Stand* stand, int joint, const host::Gains& gains);
   ~MotorOnBench();
   MotorOnBench(const MotorOnBench&) = delete;
@@ -47,23 +47,26 @@ class MotorOnBench {
 
   // Switches all motors off and clears a latched shutdown. Each measurement starts from this state.
   void come_to_rest();
-  // Sets the stand's supply. Throws Failed if the board, with its motors off, reads another voltage.
+  // Sets the stand's supply. Throws Failed if the supply voltage that the board reads differs from `volts` by
+  // more than 0.2 V plus 3 % of `volts`. All motors must be off.
   void set_supply(double volts);
   void wait(double length_s);
   // Moves the joint to the angle by the control loop, then switches the motor off.
   void go_to(double angle_rad);
-  // Throws Failed if the board has no valid reading of the potentiometer. The board then keeps the last
-  // angle, which looks like a reading without noise.
+  // Throws Failed if the board has no valid reading of the potentiometer. Without a valid reading, the board
+  // keeps reporting the last valid angle. Such a constant angle looks like a reading without noise.
   void check_potentiometer();
   // Returns the potentiometer code, 0 to 1023, of an angle. Uses the current calibration.
   double potentiometer_code(double angle_rad);
-  // Returns the line errors since the last call: "on the line 3 replies were lost"; empty: no errors.
+  // Returns a text about the line errors since the previous call. The text is empty if there were no line
+  // errors.
   std::string take_line_trouble();
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
   // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. If `within_rad` is above 0, the drive
-  // ends early when the distance from the shaft to the joint limit ahead is less than `within_rad`. After the
-  // drive, the motor is off, and sampling continues for `after_s`.
+  // ends early near the end of the joint's range. The drive ends early when the remaining angle to the end of
+  // the range is less than `within_rad`. After the drive, the motor is off, and sampling continues for
+  // `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
@@ -75,8 +78,8 @@ class MotorOnBench {
   struct Sine {
     Trace target, answer;
   };
-  // Records how the control loop follows the target middle + amplitude sin(2 pi f t), with a new target every
-  // 10 ms.
+  // Moves the target along a sine around `middle_rad`, and records the targets and the measured angles. A new
+  // target is sent every 10 ms.
   Sine follow(double middle_rad, double amplitude_rad, double hertz, double length_s);
 
  private:
@@ -95,9 +98,10 @@ class MotorOnBench {
   template <class Enough>
   Trace drive_until(double duty, double length_s, double after_s, Enough enough);
   void forget_telemetry();
-  // Collects samples until `until` on the host's clock, or until `enough` returns true. `until_s` is the end
-  // in board time, in seconds after begin_tick. A busy machine reads frames late. So if the last samples
-  // before `until_s` are missing at the time `until`, collect() continues for up to 100 ms.
+  // Collects samples. The collection ends when the host's clock reaches the time `until`, or earlier as soon
+  // as `enough` returns true. `until_s` is the end in board time, in seconds after begin_tick. A busy machine
+  // reads frames late. If the newest sample at the time `until` was taken more than 15 ms before `until_s`,
+  // collect() waits up to 100 ms longer for late frames.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 
@@ -106,7 +110,7 @@ class MotorOnBench {
   int joint_;
   host::Gains gains_, own_gains_;
   double lower_ = 0, upper_ = 0;
-  // Previous limits; nullopt: equal to the limits after a reset.
+  // Limits that the constructor replaced; nullopt if the joint already had the default limits.
   std::optional<host::Limits> own_limits_;
   bool listening_ = false;
   Time unlocked_until_{};

@@ -44,7 +44,8 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge) {
     // The ends of the potentiometer's range are beyond the joint's.
     check(sample.angle_rad > motor.lower_rad() - kMargin &&
               sample.angle_rad < motor.upper_rad() + kMargin,
-          "the potentiometer reads an angle beyond the joint's limits: check its three wires");
+          "the potentiometer reads an angle beyond the joint's limits: check the potentiometer's "
+          "three wires");
     codes.push_back(sample.angle_rad / kCode);
   }
   motor.check_potentiometer();  // it may have gone meanwhile

@@ -174,10 +174,11 @@ double gain_at_rest(const std::vector<Press>& before, double fading,
 
 std::string was_warm(double gain) {
   char text[200];
-  std::snprintf(text, sizeof text,
-                "the motor was warm: its torque grew by %.1f %% in %.0f s of rest; let it cool (20 "
-                "minutes after hard work), then measure again",
-                100 * gain, kRest);
+  std::snprintf(
+      text, sizeof text,
+      "the motor was warm: its torque grew by %.1f %% while the motor rested for %.0f s; let the "
+      "motor cool, then measure again (after hard work, cooling takes 20 minutes)",
+      100 * gain, kRest);
   return text;
 }
 

@@ -36,10 +36,10 @@ class Stand {
   // the protractor shows.
   virtual Result<double> turn(int joint, double angle_rad) = 0;
   virtual Result<void> let_go(int joint) = 0;
-  // Prepares the stand for a bench: frees every shaft, which an interrupted bench may have left clamped, and
-  // sets the supply.
+  // Prepares the stand for a bench and sets the supply. A CommandStand also removes all tools, because an
+  // interrupted bench may have left a shaft clamped.
   virtual Result<void> put_back(double supply_volts) = 0;
-  // Duration of a press that is long enough to read the scale, s.
+  // Duration of a press against the scale, s. A press of this duration is long enough for reading the scale.
   virtual double pressing_s() const = 0;
   // Time in which the shaft comes to rest after press(), s.
   virtual double settling_s() const = 0;
@@ -50,8 +50,8 @@ class Stand {
 class CommandStand final : public Stand {
  public:
   using Query = std::function<Result<nlohmann::ordered_json>(const std::string& line)>;
-  // Returns a Query that parses the replies of `query`, which have the format of a control socket. A reply
-  // that is not JSON is treated as a reply without readings.
+  // Returns a Query that calls `query` and parses the reply. `query` should return replies in the JSON format
+  // of a control socket. A reply that is not JSON is treated as a reply without readings.
   static Query parsed(std::function<Result<std::string>(const std::string& line)> query);
   // `pressing_s`: duration of a press, s; the virtual scale needs 0.05 s. `clock` must outlive this object.
   CommandStand(std::string name, Query query, host::Clock& clock, double pressing_s = 0.1)

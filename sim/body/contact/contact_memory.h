@@ -3,16 +3,16 @@
 //
 // A rubber sole yields elastically before it slips. Friction without memory accumulates the errors of all
 // steps, so that even a standing robot drifts. In this model, each contact point has a spring and a damper
-// along the surface. Their softness is the same as the softness along the normal. The point slips if the
-// spring force exceeds mu times the normal force (as in Cundall & Strack, Geotechnique 29(1), 1979). The
-// solver has one row for each of the two tangents t:
+// along the surface. The softness along the surface is equal to the softness along the normal. The point
+// slips if the spring force exceeds mu times the normal force (as in Cundall & Strack, Geotechnique 29(1),
+// 1979). The solver has one row for each of the two tangents t:
 //
 //     t (v_a - v_b) = -erp / h t shear - softness f,   |f| <= mu N
 //
-// Here v_a and v_b are the velocities of the bodies a and b, and f is the force on a along t. The parameters
-// erp and softness have the values for the step size h (contact_surface.h). The stiffness of the spring is
-// kContactErp / (kErpStep * softness), in N/m. Surfaces without softness have no shear. All vectors are in
-// the world frame, lengths in m.
+// Here `v_a` and `v_b` are the velocities of the bodies `a` and `b`. `f` is the force on body `a` along the
+// tangent `t`. The parameters erp and softness have the values for the step size h (contact_surface.h). The
+// stiffness of the spring is kContactErp / (kErpStep * softness), in N/m. Surfaces without softness have no
+// shear. All vectors are in the world frame, lengths in m.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,9 @@ namespace kaz::sim {
 
 class ContactMemory {
  public:
-  // Call recall() before a step. Matches the contacts with the contacts of the last step and copies the shear
-  // of matching points. Points match if they belong to the same pair of shapes and are less than 3 mm apart.
+  // Call recall() before a step. For each contact point in `touches`, recall() copies the shear of the
+  // nearest matching point of the previous step. Points match if they belong to the same pair of shapes and
+  // are less than 3 mm apart.
   void recall(std::span<const Touch> touches);
   static bool has_shear(const Touch& touch) { return touch.surface.softness > 0; }
   // Displacement of body a relative to body b in the tangent plane, m, world axes. `touch` is an index into

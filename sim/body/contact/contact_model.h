@@ -47,7 +47,8 @@ class ContactModel {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double radius = 0;
   };
-  // The plane of all points x with normal . x = offset, in the world frame, m.
+  // A plane in the world frame. `normal` is a unit vector. `offset` is the distance (m) from the origin to
+  // the plane, positive in the direction of `normal`.
   struct Plane {
     std::size_t geom = 0;
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();

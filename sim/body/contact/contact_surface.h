@@ -20,7 +20,7 @@ constexpr double kContactErp = 0.2;
 //   erp = h k / (h k + c),  cfm = 1 / (h k + c),  k = erp / (kErpStep softness),  c = (1 - erp) / softness
 //
 // with k in N/m and c in N s/m. The following functions convert ERP and softness from the step size kErpStep
-// to the step size step_s. The spring and the damper stay the same.
+// to the step size step_s. The conversion does not change the spring k and the damper c.
 constexpr double erp_for(double step_s, double erp) {
   const double spring = erp * (step_s / kErpStep);
   return spring / (spring + (1 - erp));

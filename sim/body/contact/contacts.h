@@ -5,8 +5,8 @@
 // plane, is skipped if the distance is too large for a contact. No tree or grid is needed, because a scene
 // has few shapes. The pairs of robot links that can collide are listed in advance. The narrow phase uses
 // ODE's colliders. For two boxes, this class first tests whether a face normal of either box is a separating
-// axis (Gottschalk et al., SIGGRAPH 1996). If so, the boxes do not touch, and ODE is not called. Pairs of
-// fixed or sleeping bodies are skipped.
+// axis (Gottschalk et al., SIGGRAPH 1996). If a separating axis is found, the boxes do not touch, and ODE is
+// not called. Pairs of fixed or sleeping bodies are skipped.
 //
 // A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
 // change results. Therefore each thread has one Contacts object for all its worlds, and the object stays in
@@ -28,7 +28,7 @@ struct Touch {
   // -1: the shape is fixed; at most one of the two bodies is -1.
   int body_a = -1, body_b = -1;
   std::uint32_t shape_a = 0, shape_b = 0;  // indices into ContactModel::geoms()
-  // `normal` is a unit vector in the direction of the force of b on a.
+  // `normal` is a unit vector in the direction of the force that body b exerts on body a.
   Eigen::Vector3d at, normal;
   double depth = 0;  // depth of penetration
   Surface surface;   // contact parameters of the pair of surfaces
@@ -76,8 +76,9 @@ class Contacts {
   struct Sphere {
     double x = 0, y = 0, z = 0, radius = 0;
   };
-  // Number of the face normal that separated the boxes a and b in the last step: 0..2 for a, 3..5 for b. The
-  // next step tries this normal first (temporal coherence). A wrong hint only costs time.
+  // A face normal that was a separating axis of the boxes `a` and `b`. `face` is 0..2 for a face normal of
+  // box `a`, and 3..5 for a face normal of box `b`. The next test of these two boxes tries this face
+  // normal first (temporal coherence). A wrong hint only costs time.
   struct Hint {
     std::uint32_t a = 0, b = 0;
     int face = 0;

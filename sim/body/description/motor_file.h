@@ -46,8 +46,9 @@ Result<MotorParams> load_motor_file(const std::string& path, const std::string& 
 
 // Returns the text of a motor file that contains only this motor, as the default motor. `about` is a
 // description of the origin of the numbers; the text contains this description as a comment.
-// When load_motor_file() reads this text, it returns the same numbers. Only the backlash may differ, by a
-// rounding error.
+// When load_motor_file() reads this text, it returns the numbers of `motor`, with two exceptions. The
+// backlash can have a rounding error. If `motor.winding_heat_capacity` is 0, the text contains no parameter
+// of the heat model except `air_celsius`.
 std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

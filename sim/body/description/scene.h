@@ -36,7 +36,7 @@ struct Visual {
 
 // The light of a scene: a directional key light and the ambient light.
 struct Light {
-  // Direction from the scene to the lamp; any length, z > 0.
+  // Vector from the scene toward the lamp. z must be above 0. The length of the vector has no effect.
   Eigen::Vector3d to_key{0.55, -0.50, 1.0};
   // `key` is a factor for the brightness of the key light. `shaded` is a factor for the brightness of the
   // ambient light.
@@ -46,7 +46,7 @@ struct Light {
 // The part of a scene that is constant while the world runs.
 struct Scene {
   std::vector<Visual> visuals;
-  // Names; index 0 is the world, then robot links and movable objects.
+  // Names of the frames. Element 0 is the world. The robot links follow, and then the movable objects.
   std::vector<std::string> frames;
   Light light;
   // Pose of the robot at the start, in the world frame. The origin of this pose is the point between the

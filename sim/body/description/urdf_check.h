@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-// Name of a root link that is fixed in the world, at the robot's start pose.
+// If the root link has this name, the root link is fixed in the world, at the robot's start pose.
 inline constexpr const char* kFixedRoot = "world";
 
 // Data from the URDF file that urdfdom does not return.

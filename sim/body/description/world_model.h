@@ -15,13 +15,13 @@ namespace kaz::sim {
 // Velocity change of an object at a given time.
 struct Kick {
   double time_s = 0;
-  // Velocity in m/s, world axes, that is added to the velocity of the object.
+  // At the time `time_s`, the vector `velocity` is added to the object's velocity. Unit m/s, world axes.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
 // Impulse on a link of the robot, at the link's center of mass.
 struct Push {
-  // Time since the start, or since the robot's first step if WorldModel::feet is not empty.
+  // If WorldModel::feet is empty, the time since the start. Otherwise, the time since the robot's first step.
   double time_s = 0;
   std::string link;
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes
@@ -48,8 +48,8 @@ struct WorldModel {
   Eigen::Isometry3d robot_start = Eigen::Isometry3d::Identity();
   std::vector<Push> pushes;  // pushes on the robot, sorted by time
   // Names of the robot links that count as feet. The robot takes the first step at the moment when one of
-  // these links has risen by kFirstStep. Times of pushes count from the first step, or from the start if
-  // `feet` is empty.
+  // these links has risen by kFirstStep. Push::time_s counts from this moment. If `feet` is empty,
+  // Push::time_s counts from the start.
   std::vector<std::string> feet;
 };
 

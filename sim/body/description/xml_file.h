@@ -39,7 +39,8 @@ class XmlFile {
   // and none of the characters & < > " '. Reason: names are used in one-line messages, JSON and XML.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
-  // Rejects text between the children of an element that may contain only elements.
+  // Returns an error if `element` contains text. Call this function for elements that may contain only child
+  // elements.
   Result<void> check_no_text(const tinyxml2::XMLElement& element) const;
 
   // The bytes of the file.
@@ -54,8 +55,8 @@ class XmlFile {
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 
-// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt if `text` has another form.
-// The locale of the process has no effect.
+// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt if `text` contains fewer or
+// more numbers, or anything that is not a finite number. The locale of the process has no effect.
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
 
 }  // namespace kaz::sim

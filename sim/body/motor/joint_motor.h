@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // All quantities refer to the output shaft, in SI units. The rotor has its own angle and speed u. Between
-// rotor and joint is the backlash b; the potentiometer measures the joint's angle. The formula of an implicit
-// Euler step of the rotor is
+// rotor and joint is the backlash b; the potentiometer measures the joint's angle. In each step of h seconds,
+// the implicit Euler method computes the rotor's new speed u_new:
 //
 //   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
 //
@@ -14,24 +14,27 @@
 //
 // At the end of a step the flanks do not overlap. Consider the flank that pushes forward. The gap between
 // rotor and flank is d, and d is never negative. The joint's speed after the step is w_new. Two inequalities
-// hold: T >= 0 and u_new - w_new <= d/h. A flank transmits torque only if its gap is closed, so at least one
-// of the two inequalities holds with equality. In the solver, this condition is the row
+// hold: T >= 0 and u_new - w_new <= d/h. A flank transmits torque only if its gap is closed at the end of the
+// step. So T = 0 if the gap is open, and u_new - w_new = d/h if the gap is closed. In the solver, this
+// row describes the contact between rotor and flank:
 //
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
 // The row for the other flank is the mirror image of this row. In the solution, the flank is either free or
-// engaged. So a flank never pulls, and flanks meet within the step without bouncing. The row contains the
-// torques of back-EMF and rotor inertia at the end of the step (implicit integration). Torques at the
-// beginning of the step would make the robot's light links unstable. Each step has a row for one flank only,
-// namely the flank that would be nearer to the rotor after a step without contact. If the joint passes the
-// other flank, the rotor's angle is set to the position of that flank. This correction changes an angle but
-// no speed, and therefore adds no energy.
+// engaged. A flank never pulls. If rotor and flank meet during a step, they do not bounce. The row computes
+// the torques of back-EMF and rotor inertia from the speed at the end of the step (implicit integration). If
+// these torques were computed from the speed at the beginning of the step, the simulation of the robot's
+// light links would be unstable. In each step, the row is for one flank only. To choose the flank, prepare()
+// computes the positions of rotor and joint after a step without contact. At these positions, the chosen
+// flank is nearer to the rotor than the other flank. A step can end with the rotor beyond the other flank. In
+// this case, the next prepare() sets the rotor's angle to the position of the other flank. This correction
+// changes an angle but no speed, and therefore adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
-// A slipping gear is modeled as a clutch with a maximum torque. The motor of a slipping gear is assumed to
-// turn with the joint, without backlash. A jammed gear locks the joint at its angle. Currents are means over
-// a PWM period.
+// In the model, a slipping gear limits the torque on the joint. The model ignores the backlash of a slipping
+// gear, and the difference between the speeds of motor and joint. A jammed gear locks the joint at its angle.
+// Currents are means over a PWM period.
 #pragma once
 
 #include <memory>
@@ -64,8 +67,8 @@ class JointMotor {
   // Computes the row for the coming step from the present angle (rad) and velocity (rad/s) of the joint. The
   // duty is clamped to -1..1. A duty that is not finite counts as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
-  // Updates rotor, current and heat after the step. `velocity` is the joint's new velocity, `torque` the
-  // torque of the row.
+  // Updates rotor, current and heat after the step. `velocity` is the joint's velocity after the step
+  // (rad/s). `torque` is the torque that the solver found for the row (Nm).
   void finish(double velocity, double torque);
 
   // Current drawn from the supply in the last step, A. The current is negative if the motor brakes and feeds
@@ -86,7 +89,8 @@ class JointMotor {
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
-    // True: the rotor has stopped. The next prepare() sets the angle at which the rotor is held.
+    // True: the rotor has stopped, but `rotor_angle` is not yet the angle at which the rotor is held. The
+    // next prepare() sets `rotor_angle` to this angle.
     bool stopped = true;
     double rotor_angle = 0, rotor_speed = 0;
     double torque = 0, torque_before = 0;  // torques on the joint in the last two steps, Nm

@@ -14,9 +14,9 @@ struct LockedLever {
   // the start.
   double seconds = 0.05;
   // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason:
-  // while a motor heats up, its torque falls. Without the pause, static friction would hold the rotor, and
-  // the lever would still measure the earlier, higher torque. The pause releases the rotor. After the pause,
-  // the lever measures the torque that the warm motor can apply.
+  // while a motor heats up, its torque falls. Without the pause, static friction would hold the rotor. Then
+  // the lever would measure the higher torque of the cold motor until the end of the test. The pause releases
+  // the rotor. After the pause, the lever measures the torque that the warm motor can apply.
   bool anew = false;
 };
 

@@ -23,9 +23,10 @@ class WindingHeat {
   explicit WindingHeat(std::shared_ptr<const MotorParams> params)
       : params_(std::move(params)), winding_(params_->air_celsius), case_(params_->air_celsius) {}
 
-  // Applies the heat of the copper (`copper_watts`) and of gear and brushes (`friction_watts`) during step_s.
-  // Explicit Euler is accurate enough, because the shortest time constant is about 100,000 steps long. If the
-  // motor file has no heat parameters, the motor stays cold.
+  // Computes the temperatures after a step of `step_s` seconds. During the step, the copper heats the winding
+  // with the power `copper_watts`. Gear and brushes heat the case with the power `friction_watts`. Explicit
+  // Euler is accurate enough, because the shortest time constant is about 100,000 steps long. If the motor
+  // file has no heat parameters, the motor stays cold.
   void take(double copper_watts, double friction_watts, double step_s) {
     if (params_->winding_heat_capacity == 0) return;
     const double to_case = (winding_ - case_) / params_->winding_to_case;
@@ -48,8 +49,8 @@ class WindingHeat {
   template <class A>
   void transfer(A& a) {
     a(winding_, case_);
-    // At temperatures far below -150 degrees Celsius, this linear model would give copper a resistance of
-    // zero.
+    // In this linear model, the resistance of copper falls to zero at a temperature far below -150 degrees
+    // Celsius.
     a.require(std::min(winding_, case_) > -150 && std::max(winding_, case_) < 1e5, "temperature");
   }
 

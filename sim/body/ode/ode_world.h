@@ -42,8 +42,8 @@ class OdeWorld final : public StagedWorld {
  private:
   struct Joint {
     dJointID hinge = nullptr, motor = nullptr;
-    // Forces and moments that ODE reports. `feedback` has those of the joint `motor`. `bearing` has those of
-    // the joint `hinge`.
+    // ODE writes the force and the moment of the joint `motor` to `feedback`. While loads are watched, ODE
+    // also writes the force and the moment of the joint `hinge` to `bearing`.
     dJointFeedback feedback{}, bearing{};
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // joint axis in the child's frame
     dBodyID child = nullptr;

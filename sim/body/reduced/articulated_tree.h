@@ -25,8 +25,8 @@
 
 namespace kaz::sim {
 
-// Spatial vector about P. For a motion: angular velocity, and velocity of the body at P. For a force: moment
-// about P, and force.
+// Spatial vector about P. For a motion, `angular` is the angular velocity, and `linear` is the velocity of
+// the body's point at P. For a force, `angular` is the moment about P, and `linear` is the force.
 struct Spatial {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
@@ -43,8 +43,8 @@ class ArticulatedTree {
   int dof_of_joint(int joint) const { return fixed_->dof_of_joint[index(joint)]; }
   int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
-  // State of the tree. `angle` (rad) has an element for each joint, `velocity` an element for each
-  // coordinate.
+  // State of the tree. `angle` (rad) has one element for each joint. `velocity` is the vector v of the
+  // comment at the top of this file.
   Eigen::Vector3d root_at;  // position of the root link's origin (P), world frame, m
   Eigen::Quaterniond root_turn;
   std::vector<double> angle;  // indexed by coordinate - root_dofs()
@@ -63,12 +63,14 @@ class ArticulatedTree {
   // Computes the twist (spatial velocity) of each link from `velocity`.
   void velocities() { twists(velocity); }
 
-  // Momentum at `velocity`: linear (kg m/s), and angular about the centre of mass (kg m2/s).
+  // Linear momentum of the whole tree (kg m/s), and angular momentum about the tree's center of mass
+  // (kg m2/s).
   struct Momentum {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   };
   Momentum momentum();
-  // Changes the velocity of a floating base so that momentum() becomes `to`. Joint velocities stay unchanged.
+  // Changes the velocity of a floating base so that the tree has the momentum `to`. Joint velocities stay
+  // unchanged.
   // The function has no effect if the base is fixed.
   void set_momentum(const Momentum& to);
   Eigen::Vector3d mass_centre() const;  // center of mass of the whole tree, world frame, m
@@ -84,15 +86,17 @@ class ArticulatedTree {
       write_mass_row(i, composites[i], row(fixed(i).dof));
     for (int i = 0; i < root_dofs_; ++i) write_root_row(i, row(i));
   }
-  // Computes the bias c(q, v) in N m and N by recursive Newton-Euler with zero acceleration. The bias c is
-  // the generalized force tau at which no coordinate accelerates. `c` must have dofs() entries.
+  // Computes the bias c(q, v) with the recursive Newton-Euler algorithm. The bias c is the generalized force
+  // tau at which no coordinate accelerates. Elements for rotations are in N m, elements for translations in
+  // N. `c` must have dofs() entries.
   void bias(const std::vector<double>& velocity, const Eigen::Vector3d& gravity,
             std::vector<double>& c);
 
   // Computes the spatial force transmitted to each link through its parent joint, for a motion with the given
   // velocity and acceleration (recursive Newton-Euler). `forces` has one entry per link. On entry, `forces`
-  // contains the external forces without gravity; on return, the joint forces. On return, the entry of the
-  // root is the force that must act on the base to cause this motion.
+  // contains the external forces on the links, without gravity. On return, `forces` contains the forces
+  // transmitted through the joints. On return, the entry of the root is the force that must act on the base
+  // to cause this motion.
   void joint_forces(const std::vector<double>& velocity, const std::vector<double>& acceleration,
                     const Eigen::Vector3d& gravity, std::vector<Spatial>& forces);
 
@@ -107,12 +111,12 @@ class ArticulatedTree {
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;
   }
-  // Adds the effect of `force` on the coordinates to `out`. `force` is a force in N, or an impulse in N s,
-  // that acts on a point of a link. `force` and `point` are in the world frame. With the Jacobian J of the
-  // point, the function adds the generalized force: transpose(J) * force.
+  // Computes out += transpose(J) * force. J is the Jacobian of `point`, a point of the link. `force` acts at
+  // this point and is a force in N or an impulse in N s. `force` and `point` are in the world frame. `out`
+  // has dofs() entries.
   void add_force(int link, const Eigen::Vector3d& point, const Eigen::Vector3d& force,
                  double* out) const;
-  // Adds `sign` times the link's geometric Jacobian about P to `columns`. Each column has six numbers
+  // Computes columns += sign * J. J is the link's geometric Jacobian about P. Each column has six numbers
   // (angular, linear). The column of joint coordinate i begins at columns + 6 (i - first). The columns of the
   // root's six coordinates are not written.
   void add_motions(int link, double sign, int first, double* columns) const;
@@ -139,7 +143,7 @@ class ArticulatedTree {
     double mass = 0;
     // Center of mass in the link's own axes.
     Eigen::Vector3d own_com = Eigen::Vector3d::Zero();
-    // About the center of mass, in the link's own axes.
+    // Inertia tensor about the center of mass, in the link's own axes.
     Eigen::Matrix3d own_inertia = Eigen::Matrix3d::Identity();
   };
   struct Fixed {

@@ -1,8 +1,8 @@
 // Symmetric positive definite block matrix for a kinematic tree and free bodies, with sparse factors.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A block is a group of coordinates. A floating base has one block, and so has each free body. Each chain of
-// joints between two branch points of the kinematic tree also has one block. The inertia matrix couples the
+// A block is a group of coordinates. A floating base has one block. Each free body has one block. Each chain
+// of joints between two branch points of the kinematic tree has one block. The inertia matrix couples the
 // block of a chain to the blocks of the chain's ancestors. Contacts couple the blocks of touching bodies.
 // Blocks that are coupled, directly or through other blocks, form an island. Islands are solved
 // independently.
@@ -10,9 +10,9 @@
 // Two matrices have this structure: the inertia matrix M, and the matrix H of a Newton iteration. H is M plus
 // the stiffness of the solver's rows. H is factored as L^T L from the last coordinate to the first. With this
 // order, one branch of the tree adds no nonzero entries (fill-in) to the factors of another branch
-// (Featherstone, "Rigid Body Dynamics Algorithms", 6.5). A chain that is attached to the root and has no
-// contacts is called calm. For a calm chain, two results are reused until the chain's active set changes: the
-// factors, and the Schur complement in the root's block.
+// (Featherstone, "Rigid Body Dynamics Algorithms", 6.5). A chain without contacts is called calm if the chain
+// is attached to the root and no other chain is attached to this chain. For a calm chain, two results are
+// reused until the chain's active set changes: the factors, and the Schur complement in the root's block.
 //
 // The class allocates no memory once the maximum numbers of coordinates and blocks are reached. All sums have
 // a fixed order.
@@ -86,9 +86,10 @@ class BlockMatrix {
   double* row_of(int i) { return matrix_.data() + row(i); }
   // Computes the factors of the calm blocks. load() can reuse these factors.
   void factor_calm(const Island& island);
-  // Computes the factors of the other blocks.
+  // Computes the factors of the blocks that are not calm. The factors of the calm blocks must already
+  // exist.
   void factor(const Island& island);
-  // Computes x = H^-1 x. Call after factor().
+  // Solves H y = x and overwrites x with the solution y. Call after factor().
   void back_solve(const Island& island, double* x) const;
 
  private:
@@ -114,8 +115,8 @@ class BlockMatrix {
   std::vector<int> block_of_, order_;
   std::vector<Block> blocks_;
   std::vector<Range> couplings_;  // pairs of blocks from couple()
-  // Nonzero if two blocks are coupled directly or by fill-in. The row is the number of the later block; the
-  // column is the number of the earlier block.
+  // Square matrix, row by row. Suppose that block a comes before block b. If the two blocks are coupled,
+  // directly or by fill-in, the element in row b and column a is 1.
   std::vector<char> coupled_;
   std::vector<Range> below_;
   std::vector<Island> islands_;

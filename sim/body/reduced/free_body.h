@@ -51,7 +51,8 @@ class FreeBody {
 
   double mass_;
   Eigen::Vector3d own_com_;
-  Eigen::Matrix3d inertia_, inverse_;  // about the center of mass, in the body's own axes
+  // Inertia tensor about the center of mass, in the body's own axes, and the inverse of this tensor.
+  Eigen::Matrix3d inertia_, inverse_;
   Eigen::Quaterniond turn_;
   Eigen::Vector3d momentum_ = Eigen::Vector3d::Zero();
   // Derived from the state by place().

@@ -6,8 +6,9 @@
 // velocities v and consists of four parts:
 //   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
 //   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is computed for the
-//      velocity in the middle of the step. This velocity is extrapolated from the last step. Therefore the
-//      velocity-dependent forces are accurate to second order.
+//      velocity in the middle of the step. This velocity is extrapolated from the velocities at the beginning
+//      of the previous step and of the present step. Therefore the velocity-dependent forces are accurate to
+//      second order.
 //   3. Set q += h v. If the robot is in flight, its root moves with the midpoint velocity of the root, not
 //      with v. A free body in flight moves with the mean of its old and new velocity.
 //   4. Set the robot's momentum to the old momentum plus the impulses of contacts and gravity, so that errors

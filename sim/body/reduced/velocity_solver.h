@@ -14,10 +14,10 @@
 // Friction uses a cone, not a pyramid. Each contact has a tangential spring in series with the friction. The
 // stretch of this spring is kept from step to step.
 //
-// Suppose that the radii mu l_n of the friction discs are fixed. Then the left side of the first equation is
-// the gradient of a convex function of v. The convex function is piecewise smooth, and quadratic where no
-// contact slips. Newton's method with an exact line search converges in few iterations, even if many points
-// share a load. After each iteration the radii are updated from l_n. The result satisfies Coulomb's law.
+// For fixed radii mu l_n of the friction discs, the expression M v - p - sum J^T l(J v) is the gradient of a
+// convex function of v. The convex function is piecewise smooth, and quadratic where no contact slips.
+// Newton's method with an exact line search converges in few iterations, even if many points share a load.
+// After each iteration the radii are updated from l_n. The result satisfies Coulomb's law.
 // Unlike in convex formulations, friction does not lift a sliding body. If the radii do not converge in a
 // dozen iterations, Newton's method continues with the radii as functions of v (coupled_newton.cpp). If
 // coupled_newton.cpp does not converge either, the solver increases the friction gradually
@@ -30,14 +30,15 @@
 // The primal Newton solver follows MuJoCo (Todorov et al., "Computation: solver algorithms"). The regularized
 // friction follows Castro et al., "An unconstrained convex formulation of compliant contact", IEEE T-RO
 // 39(2), 2023. This solver differs from Castro et al. in two points. The friction limit uses the normal force
-// of the current iteration, not of the last step. The stretch of the tangential spring is kept, so that
-// sticking contacts do not creep.
+// of the current iteration, not the normal force of the previous time step. The stretch of the tangential
+// spring is kept, so that sticking contacts do not creep.
 //
 // This solver has limitations. Even a hard contact yields along the surface: its tangential compliance `give`
 // is kGive times the mobility of the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by
 // 7 micrometers. If two bodies touch at several points, like a sole and the floor, these points share the
-// friction force like parallel springs. A point with half the `give` takes twice the force, unless the force
-// reaches the edge of this point's friction disc. If friction and normal force amplify each other without
+// friction force like parallel springs. Suppose that point A has half the `give` of point B. Then point A
+// takes twice the friction force that point B takes. At each point, the friction force is limited to the
+// radius of the point's friction disc. If friction and normal force amplify each other without
 // bound (a jamming wedge between almost massless bodies), the solver may find no solution. The number of
 // iterations is bounded, and residual() returns the velocity change in the last iteration.
 #pragma once
@@ -63,9 +64,10 @@ class VelocitySolver {
   // A range of coordinates on which a relative motion depends.
   struct Segment {
     int first = 0, length = 0;
-    // Contribution of the segment to the relative motion. With +1, the contribution equals the segment's six
-    // coordinates. With -1, it equals their negative. With 0, it equals J times the coordinates, where J is
-    // the Jacobian in columns().
+    // Selects the contribution of the segment to the relative motion. If `plain` is +1, the contribution is
+    // the vector of the segment's six coordinates. If `plain` is -1, the contribution is the negative of this
+    // vector. If `plain` is 0, the contribution is J times the segment's coordinates. columns() contains the
+    // Jacobian J.
     double plain = 0;
   };
   struct Point {
@@ -98,9 +100,9 @@ class VelocitySolver {
   // Adds the relative motion of two bodies and returns the index of the pair. At most three of the segments
   // may be non-empty. The segments must be in ascending order of coordinates.
   int add_pair(std::span<const Segment> segments);
-  // Returns the Jacobian of the pair. The Jacobian covers only the segments whose `plain` is 0. For each
-  // coordinate of these segments, the Jacobian has six numbers. All numbers are initially 0. The pointer is
-  // valid until the next add_pair().
+  // Returns the Jacobian of the pair. The Jacobian covers only the segments for which Segment::plain is 0.
+  // For each coordinate of these segments, the Jacobian has six numbers. All numbers are initially 0. The
+  // pointer is valid until the next add_pair().
   double* columns(int pair) {
     return columns_.data() + pairs_[static_cast<std::size_t>(pair)].pool;
   }
@@ -111,21 +113,24 @@ class VelocitySolver {
   void close();
   // Computes out = M x.
   void multiply(const double* x, double* out) const;
-  // Solves for `v`, which contains the initial guess on entry. `momentum` is p of the formula at the top of
-  // this file. Each island iterates until no velocity changes by more than `tolerance` (m/s or rad/s).
-  // `max_steps` limits the iterations with fixed radii; the fallback methods have their own limits.
+  // Solves for `v`, which contains the initial guess on entry. `momentum` is the vector p in the first
+  // equation of this file. The iteration of an island ends when one iteration changes no velocity by more
+  // than `tolerance` (m/s or rad/s). `max_steps` limits the iterations with fixed radii; the fallback
+  // methods have their own limits.
   void solve(std::span<const double> momentum, std::span<double> v, double tolerance,
              int max_steps);
 
   std::size_t points() const { return points_.size(); }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
-  // Returns the relative velocity at a contact point after the step, in the components of Impulse, m/s and
-  // rad/s.
+  // Returns the relative velocity of two bodies at a contact point after the step. The first three
+  // components are velocities (m/s) along the normal and two tangents. The last three components are angular
+  // velocities (rad/s) about the two tangents and the normal. If Point::rolling is 0, the angular velocities
+  // are set to 0.
   const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
   // Returns the impulse of a bounded row, N s or N m s.
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
   // steps() returns the number of iterations of the last solve(). residual() returns the velocity change in
-  // the final iteration (m/s or rad/s). Both values are maxima over all islands.
+  // the final iteration (m/s or rad/s). Both steps() and residual() return the largest value of all islands.
   int steps() const { return steps_; }
   double residual() const { return residual_; }
 
@@ -146,11 +151,13 @@ class VelocitySolver {
     double firmness = 0, moment_firm = 0;
     double length_t = 0, length_r = 0;  // radii of the friction discs in this iteration, N s, N m s
     Impulse velocity, change, impulse;
-    // Present active set (pattern_of()), and the active set for which H was factored.
+    // The member `pattern` is the present active set (pattern_of()). The member `factored` is the active set
+    // at the last factorization of H.
     std::uint8_t pattern = 0, factored = 0;
   };
-  // Indices in pair_list_, point_list_ and bounded_list_ at which the members of an island end. The members
-  // begin where the members of the previous island end.
+  // An island owns one range of elements in each of pair_list_, point_list_ and bounded_list_. Members
+  // contains the end of each range: the index after the last element. Each range begins at the end of the
+  // previous island's range.
   struct Members {
     int pairs = 0, points = 0, bounded = 0;
   };
@@ -215,8 +222,9 @@ class VelocitySolver {
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
-  // Values of change_ in the previous iteration. requested_before_ has the values before accelerate() changed
-  // them. gone_before_ has the values after accelerate() changed them.
+  // The vector requested_before_ is the Newton step of the previous iteration. The vector gone_before_ is the
+  // step after accelerate() has modified the Newton step. If the previous iteration did not call
+  // accelerate(), the two vectors are equal.
   std::vector<double> requested_before_, gone_before_;
   std::vector<double> scratch_;
   // Working memory of solve_coupled(): H, the Jacobian of a pair, the product of Jacobian and stiffness, and
@@ -231,17 +239,18 @@ class VelocitySolver {
   // The island being solved.
   std::size_t island_ = 0;
   std::span<const int> its_pairs_, its_points_, its_bounded_;
-  // At the step length x, the inertia contributes start_slope_ + x * curve_ to the slope along the search
-  // direction.
+  // The inertia's part of the slope along the search direction is a linear function of the step length. The
+  // value of this function at step length 0 is start_slope_, and the derivative is curve_.
   double start_slope_ = 0, curve_ = 0;
-  // Element i is 1 if the impulse of bounded row i was between `min` and `max` at a factorization. For
-  // calm_yields_, this is the last factorization of the calm blocks of calm_island_. For factored_yields_, it
-  // is the last factorization of H.
+  // Element i describes bounded row i at the last factorization of a matrix. The element is 1 if the row's
+  // impulse was between Bounded::min and Bounded::max, else 0. For calm_yields_, the matrix consists of the
+  // calm blocks of the island calm_island_. For factored_yields_, the matrix is H.
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  // Each iteration changes each friction radius by this fraction of the difference between its new and its
-  // old value.
+  // Each iteration computes a target for each friction radius from the normal impulse. Then the radius
+  // changes by relaxation_ times the difference between the target and the old radius. If relaxation_ is 1,
+  // the radius becomes equal to the target.
   double relaxation_ = 1;
   int steps_ = 0;
   double residual_ = 0;

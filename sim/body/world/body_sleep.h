@@ -3,8 +3,8 @@
 //
 // The rule is ODE's "auto disable", applied to the speeds of the last step only (one sample). A body in
 // contact is put to sleep after the body's speeds have been below both thresholds for SleepRule::after_s.
-// ODE's own counters cannot be saved and restored, so a restored world would not continue exactly like the
-// saved world. The counters of this class are part of the saved state.
+// The time at rest is counted in this class, because the counters inside ODE cannot be saved and restored.
+// The counters of this class are part of the saved state.
 #pragma once
 
 #include <cstddef>

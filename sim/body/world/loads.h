@@ -27,8 +27,8 @@ struct LinkForce {
   //
   //   f = R^T push, r = R^T (at - o);  force += f, moment += r x f + R^T turn, pressure += normal
   //
-  // Before finish() is called, `centre` is a sum over the contact points. Each contact point adds normal * r
-  // to this sum. The function finish() divides the sum by `pressure`.
+  // Each call of add() adds the product of `normal` and the vector r to `centre`. Later, finish() divides
+  // `centre` by `pressure`.
   void add(const Eigen::Isometry3d& link, const Eigen::Vector3d& at, const Eigen::Vector3d& push,
            const Eigen::Vector3d& turn, double normal);
   // Call once after the last add().
@@ -44,9 +44,9 @@ struct LinkForce {
   }
 };
 
-// Force and moment that the parent link exerts on the child link of a joint, at the child link's origin, in
-// the child link's axes. The loads of bearing, motor and joint stop are included. Therefore the moment along
-// the joint axis is the joint torque.
+// Force and moment that the parent link exerts on the child link of a joint. The moment is about the child
+// link's origin. Force and moment are in the child link's axes. The loads of bearing, motor and joint stop
+// are included. Therefore the moment along the joint axis is the joint torque.
 struct JointLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // Nm

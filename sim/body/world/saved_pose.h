@@ -1,5 +1,5 @@
-// Limits of poses and velocities in a saved state. Beyond these limits, the solver or the collision detection
-// may not terminate.
+// Limits of poses and velocities in a saved state. With a value beyond these limits, the solver or the
+// collision detection might run forever.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -20,9 +20,10 @@ namespace kaz::sim {
 
 // Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h).
 constexpr double kStopErp = 0.2;
-// Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With this value and kStopErp, a stop yields by
-// 1 mrad under the motor's maximum torque of 2.4 Nm. A stop of plastic on steel yields as much. A joint would
-// bounce at a rigid stop, because an iterative solver leaves a residual.
+// Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With kStopSoftness and kStopErp, a stop
+// yields by 1 mrad under the motor's maximum torque of 2.4 Nm. Under this torque, a real stop of plastic on
+// steel also yields by about 1 mrad. An iterative solver leaves a residual. At a rigid stop, this residual
+// would make the joint bounce.
 constexpr double kStopSoftness = 0.08;
 
 class StagedWorld : public World {
@@ -88,7 +89,8 @@ class StagedWorld : public World {
   bool joint_can_turn(std::size_t joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                      const Eigen::Vector3d& angular);
-  // Sets diagnostics_.failure if diagnostics_.failure is empty.
+  // Records the failure `why` in diagnostics_.failure. If a failure is already recorded, break_down()
+  // changes nothing.
   void break_down(const std::string& why);
   void read_motors();  // copies currents and temperatures to the joint states
   // Archives the state of this class.
@@ -127,7 +129,7 @@ class StagedWorld : public World {
     if constexpr (A::reading) {
       diagnostics_.failure.clear();  // failed worlds are not saved
       joint_loads_.clear();
-      read_motors();  // restores readings that are not archived
+      read_motors();  // computes the readings that the archive does not contain
     }
   }
 

@@ -113,8 +113,9 @@ class World {
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;
-  // Index into ScenePose::frames of the link that carries `left_eye` and `right_eye`; -1 for a robot without
-  // eyes. The optical centers of the cameras are given in the frame of this link (sim/view/camera.h).
+  // Returns the index of the head's frame in ScenePose::frames. The head is the link that carries both links
+  // `left_eye` and `right_eye`. If the robot has no such head, head_frame() returns -1. The optical centers
+  // of the cameras are given in the head's frame (sim/view/camera.h).
   virtual int head_frame() const = 0;
 
   // The following functions return ground truth, for tests, measurements and evaluation only. All poses are

@@ -1,5 +1,5 @@
-// 10-bit A/D converter with single mode and scan mode. The emulator samples each input in the same state
-// (clock period) as the chip.
+// 10-bit A/D converter with single mode and scan mode. The emulator samples each input in exactly the clock
+// period (state) that the hardware manual specifies.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -44,7 +44,8 @@ class Adc {
   // Returns true in scan mode. In this mode, the emulator can postpone the computation of a conversion. The
   // conversion is computed when the program reads a result, or before an output of the chip changes.
   bool may_wait() const { return scan(); }
-  // Processes all events up to the time `to`, or until `ended` is set. Sets `at` to the time of each event.
+  // Processes all events up to the time `to`, or until `ended` is set. Before each event, sets `at` to the
+  // time of the event.
   void run_events(Machine& m, States to, States& at, const bool& ended);
   // Starts a conversion if the field TRGS of the register ADCR equals `source`. `source` is 2 for the 8-bit
   // timer and 3 for the ADTRG pin.

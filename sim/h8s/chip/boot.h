@@ -27,8 +27,9 @@ class BootRom {
   States next_event() const { return wake_; }
   void advance(Machine& m, States to);
 
-  // Both functions pass a received signal to the measurement of the bit rate. The signal is a whole byte for
-  // heard(), and an edge at RxD for edge(). A byte whose bit_states is 0 is ignored.
+  // heard() and edge() pass the host's signal to the measurement of the bit rate. The function heard() gets a
+  // whole byte, and the function edge() gets an edge at RxD. If the bit_states of a byte is 0, heard()
+  // ignores the byte.
   void heard(Machine& m, const ReceivedByte& byte);
   void edge(Machine& m, bool level, States at);
 
@@ -68,9 +69,10 @@ class BootRom {
   States low_since_ = kNever;  // time of the falling edge at RxD
   std::int32_t sending_ = -1;  // byte waiting for the transmitter; -1: no byte
   std::int32_t answers_ = 0;   // number of H'AA bytes to send before the program starts
-  std::uint32_t expected_ = 0, stored_ = 0;  // size of the program; number of bytes stored
-  std::uint32_t block_ = 0;                  // flash block that is checked or erased
-  States pulse_from_ = kNever;               // start time of the erase pulse
+  // Size of the program in bytes, and number of program bytes already in RAM.
+  std::uint32_t expected_ = 0, stored_ = 0;
+  std::uint32_t block_ = 0;     // flash block that is checked or erased
+  States pulse_from_ = kNever;  // start time of the erase pulse
 };
 
 }  // namespace kaz::h8s

@@ -74,8 +74,8 @@ struct ReceivedByte {
   bool multiprocessor = false;  // value of the multiprocessor bit, if SMR.MP enables that bit
   // Bit time of the sender, states. 0: the sender has the bit time of the channel. If the bit times of sender
   // and channel differ, the channel samples the sender's waveform at the channel's bit times (line_rate.h).
-  // Only channels with 10-bit frames do this. The boot ROM's bit rate measurement ignores a byte whose
-  // bit_states is 0.
+  // If the channel's frames do not have 10 bits, the channel ignores bit_states. The boot ROM's bit rate
+  // measurement ignores a byte whose bit_states is 0.
   States bit_states = 0;
   template <class A>
   void transfer(A& a) {
@@ -119,7 +119,7 @@ struct CallResult {
 // Numbers of erase and program operations since the chip was created (hardware manual, "ROM").
 struct FlashStatistics {
   struct Block {
-    std::int64_t erasures = 0;  // number of erase pulses that changed cells; each wears the block
+    std::int64_t erasures = 0;  // number of erase pulses that changed cells and thus wore the block
     std::int64_t erase_pulses = 0, program_pulses = 0;
     std::int64_t weak_pulses = 0;   // number of pulses shorter than the manual's minimum
     std::int64_t reprogrammed = 0;  // number of pulses that programmed a bit that was already 0
@@ -152,16 +152,15 @@ class Chip {
   Chip(Chip&&) noexcept;
   Chip& operator=(Chip&&) noexcept;
 
-  // Returns a second chip in the same state. The second chip has no callbacks, hooks, observers or analog
-  // source.
+  // Returns a copy of this chip and its state. The copy has no callbacks, hooks, observers or analog source.
   Chip clone() const;
   // Returns a snapshot of the complete state, for restore() of this or another chip. The snapshot contains
   // neither callbacks nor hooks. When restore() is called, the chip keeps its own callbacks and hooks.
   std::shared_ptr<const Chip> save() const;
   void restore(const Chip& saved);
-  // Write and read the complete state as bytes, for files. Only the same build can read the bytes, and only
-  // into a chip with the same options. If the reader reports an error, the chip is powered on with undefined
-  // flash contents.
+  // Write and read the complete state as bytes, for files. Only the build that has written the bytes can read
+  // these bytes. The reading chip must have the same options as the writing chip. If the reader reports an
+  // error, the chip is powered on with undefined flash contents.
   void write_state(StateWriter& to) const;
   void read_state(StateReader& from);
 
@@ -172,9 +171,9 @@ class Chip {
   // Does not reset the chip. If a segment is outside the flash, returns an error and writes nothing.
   Result<void> load(const Image& image);
   // Loads a program that starts at its entry point, without a reset. Writes every section to its run address
-  // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. Returns
-  // an error if a section is outside flash and RAM. In this case, the sections before that section have
-  // already been written.
+  // in flash or RAM and sets PC to `entry`. Other memory is unchanged. Must be called after power_on. If a
+  // section is outside flash and RAM, returns an error. After this error, memory can already contain some
+  // sections of the program.
   Result<void> place(const Image& image, std::uint32_t entry);
   // Sets the symbols that reports use. An S-record image has no symbols; the symbols can come from a COFF
   // file.
@@ -193,8 +192,8 @@ class Chip {
   void set_mode_pins(int mode);
   // Returns true from a reset in boot mode until the boot ROM starts the downloaded program.
   bool in_boot_rom() const;
-  // Runs whole instructions until now() >= until, or until another reason in Stop::Reason ends the run. After
-  // an error, each further call returns the Stop of the error until a reset.
+  // Runs whole instructions. Returns when now() >= until. Stop::Reason lists the reasons for which the
+  // function returns earlier. After an error, each further call returns the Stop of the error until a reset.
   Stop run_until(States until);
   // Runs one instruction, exception entry or DTC activation. If the CPU is asleep, advances to the next
   // event, but not beyond the time `no_later`.
@@ -248,10 +247,10 @@ class Chip {
   // live until the chip is destroyed or has another log.
   void set_input_log(InputLog* log);
 
-  // Calls a C function of the image with interrupts masked. The call changes the state of the chip; to keep
-  // the state, use a clone. Up to three `args` go to ER0, ER1 and ER2; the result is in ER0. Errors: there
-  // are more than three args, ER7 is outside RAM, the chip stops, or the function does not return within
-  // `limit` states.
+  // Calls a C function of the image with interrupts masked. The call changes the state of the chip. To leave
+  // this chip unchanged, call the function on a clone. Up to three `args` go to ER0, ER1 and ER2; the result
+  // is in ER0. Errors: there are more than three args, ER7 is outside RAM, the chip stops, or the function
+  // does not return within `limit` states.
   Result<CallResult> call(std::uint32_t address, std::initializer_list<std::uint32_t> args,
                           States limit = 10'000'000);
 
@@ -270,8 +269,8 @@ class Chip {
   PortOutput output(Port port) const;
   // Lets the board drive a pin, beginning at now(). `bit` is 0..7; other values are ignored.
   void set_input(Port port, int bit, bool level);
-  // The board stops driving the pin. An input pin is then high if its pull-up is on; otherwise the pin has
-  // the level Options::floating_level.
+  // The board stops driving the pin. A released input pin is high if its pull-up is on. Without a pull-up, a
+  // released input pin has the level Options::floating_level.
   void release_input(Port port, int bit);
   void set_nmi(bool level);
 
@@ -279,31 +278,31 @@ class Chip {
   PinState state(Pin pin) const;
   bool level(Pin pin) const { return state(pin).level; }
   // Calls `listener` at each change of the pin's level, for inputs and outputs, with the exact time of the
-  // edge. Calls are in order of time, including edges between two instructions and edges during sleep. If
-  // `drivers` is true, a change of the pin's driver or pull-up also causes a call. Returns an id for
-  // unwatch().
+  // edge. The calls are in the order of the edges' times. Edges that no instruction causes are also reported,
+  // for example edges during sleep. If `drivers` is true, a change of the pin's driver or pull-up also causes
+  // a call. Returns an id for unwatch().
   //
   // A listener may read pins and drive inputs. The driven inputs change at the time of the edge. A listener
-  // must not run, reset, restore or move the chip. At a reset, the pins change at the instruction boundary
-  // before the reset. Clones are not watched, and changes by restore() are not reported.
+  // must not run, reset, restore or move the chip. If a reset causes an edge, the reported time of the edge
+  // is the beginning of the reset. Clones are not watched, and changes by restore() are not reported.
   //
   // A listener can read stale (outdated) flags. Reason: translated code does not compute the flags after
-  // every instruction. The call can come from a MOV or bit instruction with a fixed I/O address. In this
-  // case, the flags H, N, Z, V and C in registers().ccr can be those of any earlier instruction. The other
-  // values are valid: ER0 to ER7, I, UI, now() and PC (the address of the instruction that causes the call).
-  // All flags are valid between instructions (call_at, code hooks) and while an observer is attached. The
-  // engines `reference` and `interpreter` update the flags before each call, so all flags are valid. During a
-  // call, instructions() can return a count that lacks the instructions since the last event. These limits
-  // also apply in the callbacks of on_output, on_transmit and set_analog.
+  // every instruction. If a MOV or bit instruction with a fixed I/O address causes the call, the flags H, N,
+  // Z, V and C in registers().ccr can be outdated. The other values are valid: ER0 to ER7, I, UI, now() and
+  // PC (the address of the instruction that causes the call). All flags are valid in code hooks and while an
+  // observer is attached. The engines `reference` and `interpreter` update the flags before each call, so all
+  // flags are valid. During a call, the result of instructions() can be too low, because the chip does not
+  // update the count after every instruction. These limits also apply in the callbacks of on_output,
+  // on_transmit and set_analog.
   int watch(Pin pin, PinListener listener, bool drivers = false);
   void unwatch(int watch);
-  // Calls the function `call` once, at the time `at` and between two instructions. The argument of the call
-  // is the time. If `at` is in the past, the call is made at the start of the next run. The rules for `call`
-  // are the same as for a listener of watch(). Returns an id for cancel().
+  // Calls the function `call` once, at the time `at`. The argument of the call is the time. If `at` is in the
+  // past, the call is made at the start of the next run. The rules for `call` are the same as for a listener
+  // of watch(). Returns an id for cancel().
   int call_at(States at, std::function<void(States)> call);
   void cancel(int call);
-  // Drive or release an I/O pin or a pin of port 7. set_input can also drive NMI. Both functions ignore all
-  // other pins.
+  // The function set_input drives an I/O pin, a pin of port 7, or NMI. The function release_input releases an
+  // I/O pin or a pin of port 7. Calls with another pin have no effect.
   void set_input(Pin pin, bool level);
   void release_input(Pin pin);
 
@@ -322,11 +321,11 @@ class Chip {
   // Sets the source of input voltages, as fractions of AVCC (0..1). Channels 0..7 are AN0..AN7, 8..15 are
   // CIN0..CIN7. `source` is called at the time of each sample. Without a source all voltages are 0.
   //
-  // If the caller sets `steady`, `source` must have no side effects. The voltage of a channel may then depend
-  // only on the time, on the chip's non-serial outputs, and on values that are constant during a run. In scan
-  // mode with `steady`, the chip can call `source` later than the time of the sample. The chip never delays
-  // this call beyond the next change of a non-serial output or beyond the end of the run. The chip skips
-  // samples whose results the program does not read.
+  // If the caller sets `steady`, `source` must have no side effects. With `steady`, a voltage may depend only
+  // on the time, the chip's non-serial outputs, and values that are constant during a run. In scan mode with
+  // `steady`, the chip can call `source` later than the time of the sample. The chip never delays this call
+  // beyond the next change of a non-serial output or beyond the end of the run. The chip skips samples whose
+  // results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 
   // Serial

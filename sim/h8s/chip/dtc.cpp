@@ -169,7 +169,8 @@ Dtc::Outcome Dtc::serve(Machine& m, unsigned vector) {
         at >= kFirstBlock && at <= kLastBlock ? m.memory_at((c.mask & 0xff0000) | at) : nullptr;
     if (!p || (at & 1) || c.ram_size == 0) {
       m.misuse(kVectors + 2 * vector,
-               "DTC register information lies outside FFEC00 to FFEFFF, or RAM is off");
+               "DTC register information has an odd address or lies outside FFEC00 to FFEFFF, or "
+               "RAM is off");
       return outcome;
     }
     Block b(p);

@@ -39,7 +39,7 @@ class Dtc {
   };
 
   Outcome serve(Machine& m, unsigned vector);
-  bool transfer(Machine& m, Block& b);  // returns true at the end of the count
+  bool transfer(Machine& m, Block& b);  // returns true if this was the last programmed transfer
   void move(Machine& m, Block& b);
   void release(Machine& m, unsigned vector);
   void divert(Machine& m);
@@ -49,8 +49,8 @@ class Dtc {
   bool swdte_seen_ = false;  // true: the program has read SWDTE as 1
   bool ended_ = false;       // a software activation is complete and requests its interrupt
   States software_at_ = 0;
-  // Data registers that the current activation has accessed. The DTC clears the flag of a serial channel or
-  // of the converter only after an access to a data register of this module.
+  // Data registers that the current activation has accessed. If the activation has not accessed a data
+  // register of the requesting serial channel or converter, the DTC leaves the request flag set.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

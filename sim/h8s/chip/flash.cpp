@@ -61,13 +61,14 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     return;
   }
   if (busy()) {
-    m.misuse(address, "write to flash memory during setup or a pulse; the write has no effect");
+    m.misuse(address, "write to flash memory while PSU, P or E is set; the write has no effect");
     return;
   }
   // In verify mode a dummy write selects the word to be read.
   if (flmcr1_ & (kPv | kEv)) {
     if (value != 0xff)
-      m.misuse(address, "dummy write before a verification read has a value other than FF");
+      m.misuse(address,
+               "the dummy write for a verification read must write FF, but wrote another value");
     require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
             "dummy write too early after PV or EV was set");
     dummy_ = address & ~1u;
@@ -158,7 +159,7 @@ void FlashControl::erase_block(Machine& m, unsigned n, double share) {
   if (share < 1) ++b.weak_pulses;
   if (share < times::nothing_below || m.options.flash_worn_block == static_cast<int>(n)) return;
   if (++b.erasures == times::endurance + 1)
-    m.misuse(0xff82, "flash block erased more often than its endurance of 100");
+    m.misuse(0xff82, "flash block erased more than 100 times; the endurance is 100 erasures");
   std::uint8_t* p = m.memory_at(kBlocks[n]);
   const std::uint32_t size = kBlocks[n + 1] - kBlocks[n];
   for (std::uint32_t k = 0; p && k < size; ++k) {
@@ -216,7 +217,8 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
       // Both at once, or together with verification, is not an operation.
       if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
-        m.misuse(0xff80, "more than one of EV, PV, E and P set; these bits have no effect");
+        m.misuse(0xff80,
+                 "more than one of the bits EV, PV, E and P set; none of the four has an effect");
         next = static_cast<std::uint8_t>(next & 0xf0);
       }
       const auto ended = static_cast<std::uint8_t>(before & ~next);
@@ -225,7 +227,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
       flmcr1_ = next;
       if (begun & kSwe) swe_at_ = at;
       if ((begun | ended) & kSwe && from_flash)
-        m.misuse(0xff80, "SWE changed by code in flash; that code must run from RAM");
+        m.misuse(0xff80, "SWE changed by code in flash; code that changes SWE must run from RAM");
       if (begun & (kProgram | kErase)) {
         pulse_start_ = at;
         require(m, setup_at_, begun & kProgram ? times::after_psu : times::after_esu, at,

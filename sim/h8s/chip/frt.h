@@ -60,7 +60,8 @@ class Frt {
   void update(Machine& m, States at);
 
   std::uint16_t count_ = 0;
-  States tick_ = 0;  // number of clock ticks that count_ includes
+  // Time for which `count_` is valid, in ticks of the timer's clock since Machine::epoch.
+  States tick_ = 0;
   StickyFlags flags_;
   std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;

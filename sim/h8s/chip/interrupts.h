@@ -30,8 +30,8 @@ class Interrupts {
   void set(unsigned vector, bool level, States at) {
     if (level != ((raw_[vector / 64] >> (vector % 64) & 1) != 0)) change(vector, level, at);
   }
-  // Like set() for `count` adjacent vectors: bit k of `levels` is vector `first` + k. The vectors must all be
-  // below 64, or all be 64 or above.
+  // Sets the requests of `count` adjacent vectors: bit k of `levels` is the level for vector `first` + k. The
+  // adjacent vectors must not include both vector 63 and vector 64.
   void set_all(unsigned first, unsigned count, std::uint64_t levels, States at) {
     const std::uint64_t mask = ((1ull << count) - 1) << (first % 64);
     const std::uint64_t wanted = levels << (first % 64);
@@ -41,7 +41,7 @@ class Interrupts {
       change(first / 64 * 64 + bit, (wanted >> bit & 1) != 0, at);
     }
   }
-  // Returns whether a request has been raised since the last call.
+  // Returns whether a request has been raised since the preceding call of take_raised().
   bool take_raised() { return std::exchange(raised_, false); }
   bool requested(unsigned vector) const { return since_[vector] != kNever; }
   // Returns the requests to the CPU: two words with one bit for each vector.
@@ -132,7 +132,7 @@ class Interrupts {
   StickyFlags isr_;
   std::uint8_t iscrh_ = 0, iscrl_ = 0, ier_ = 0, abrkcr_ = 0;
   std::array<std::uint8_t, 3> bar_{};
-  // Levels of IRQ0..IRQ2; high (inactive) until the board drives a pin.
+  // Levels of IRQ0..IRQ2, one bit for each pin. All three pins are initially high (inactive).
   std::uint8_t irq_level_ = 7;
   bool nmi_level_ = true;
 

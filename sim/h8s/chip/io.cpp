@@ -423,7 +423,10 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       adc.write(*this, a, value, at);
       return;
     case Unit::wdt:
-      misuse(a, "byte write to a watchdog register: only keyed words have an effect");
+      misuse(
+          a,
+          "a byte write to a watchdog register has no effect; write a word with the key (5A or A5) "
+          "in the upper byte");
       return;
     case Unit::flash:
       flash_control.write(*this, a, value, at);

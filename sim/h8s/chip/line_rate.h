@@ -12,11 +12,11 @@ struct HeardByte {
   bool framing_error = false;
 };
 
-// The format is 8N1. The receiver samples the middle of each of its own bits, counted from the falling edge
-// of the start bit. After the frame the line is idle (high). `sent_bit` and `own_bit` are the bit times of
-// sender and receiver in the same unit. Both bit times must be above 0. If the sender is slow, a real
-// receiver can mistake a later edge of the frame for another start bit. This function does not model such
-// start bits.
+// The format is 8N1. Beginning at the falling edge of the start bit, the receiver divides the time into bits
+// of the length `own_bit`. The receiver samples the level in the middle of each bit. After the frame the line
+// is idle (high). `sent_bit` is the bit time of the sender, and `own_bit` is the bit time of the receiver, in
+// the same unit. Both bit times must be above 0. If the sender is slow, a real receiver can mistake a later
+// edge of the frame for another start bit. This function does not model such start bits.
 constexpr HeardByte heard_at(std::uint8_t value, std::int64_t sent_bit, std::int64_t own_bit) {
   HeardByte heard;
   const unsigned frame = 0x200u | static_cast<unsigned>(value) << 1;  // start, data, stop

@@ -21,7 +21,7 @@ enum class Flow : std::uint8_t {
   sleep,   // SLEEP
 };
 
-// Returns the control flow of the instruction with this first word.
+// Returns the control flow of the instruction that begins with the word `first_word`.
 Flow flow_of(std::uint16_t first_word);
 
 // An instruction that has run.
@@ -82,12 +82,13 @@ class Observer {
 class InputLog {
  public:
   virtual ~InputLog() = default;
-  // Called before an input is applied at the instruction boundary now(). Inputs are levels of pins and mode
-  // pins, received bytes, reset, poke and set_registers. `apply` repeats the input on another chip.
+  // Called before an input is applied. The input is applied at now(), between two instructions. Inputs are
+  // levels of pins and mode pins, received bytes, reset, poke and set_registers. `apply` repeats the input on
+  // another chip.
   virtual void input(std::function<void(Chip&)> apply) = 0;
-  // Called at an input that cannot be replayed: load, power_on, restore, call, or any input from a listener.
-  // Inputs from listeners cannot be replayed, because listeners may be called in the middle of an
-  // instruction.
+  // Called if the chip gets an input that cannot be replayed. Such inputs are calls of load(), power_on(),
+  // restore(), read_state() and call(), and all inputs from listeners. Inputs from listeners cannot be
+  // replayed, because listeners may be called in the middle of an instruction.
   virtual void cut() = 0;
   // Called after the analog source has returned `value`.
   virtual void sampled(int channel, States at, double value) = 0;

@@ -15,8 +15,8 @@ struct Options {
   Engine engine = Engine::translator;
   // Number of jumps to an address before the code at that address is translated. Affects speed only.
   std::uint32_t translate_after = 100;
-  // Levels of MD1 and MD0 at reset. 2 is single-chip advanced mode (24-bit addresses), 3 single-chip normal
-  // mode (16-bit addresses). The value 0 selects boot mode if P42, P41 and P40 are high.
+  // Levels of MD1 and MD0 at reset. `mode` 2 is single-chip advanced mode (24-bit addresses), `mode` 3 is
+  // single-chip normal mode (16-bit addresses). If P42, P41 and P40 are high, `mode` 0 selects boot mode.
   int mode = 2;
   // Decision time of an interrupt (hardware manual, interrupt response times). The CPU accepts interrupts at
   // instruction boundaries. At a boundary, the CPU accepts a request only if the request is older than the
@@ -25,10 +25,11 @@ struct Options {
   // Duration of the exception sequence, without the stacking, the vector read and the first instruction
   // fetch.
   int exception_internal_states = 2;
-  // CCR after reset. The manuals document only bit 7 (I), which is always set.
+  // CCR after reset. Bit 7 (I) of CCR is always set after reset. The manuals do not document the other bits
+  // after reset.
   std::uint8_t reset_ccr = 0x80;
-  // True: no interrupt is accepted between RTE and the next instruction. LDC, ANDC, ORC and XORC always have
-  // this effect.
+  // True: no interrupt is accepted between RTE and the next instruction. After LDC, ANDC, ORC or XORC, the
+  // CPU never accepts an interrupt before the next instruction, regardless of this option.
   bool rte_holds_off = false;
   // Bus of the FRT, the 8-bit timers and the watchdogs. True: 16-bit bus (2 states per word). False: 8-bit
   // bus (4 states per word).
@@ -49,11 +50,12 @@ struct Options {
   // is the mark level for the duration of one frame. The first character follows the preamble.
   bool sci_preamble = true;
   // SCI: true if a frame waits for the next edge of the free-running bit clock, false if a frame begins
-  // immediately. While SCK outputs the clock, a frame always waits, because data change at the falling edge
-  // of that clock.
+  // immediately. While SCK outputs the bit clock, a frame always waits for the next edge of this clock,
+  // because TxD changes at the falling edges of SCK.
   bool sci_aligned_start = false;
-  // SCI: time at which a byte that arrives as levels at RxD becomes available. True: at the sample of the
-  // first stop bit. False: at the end of the last stop bit, like a byte from Chip::receive.
+  // SCI: if the bits of a byte arrive as levels at RxD, the option selects when the byte becomes available.
+  // True: at the sample of the first stop bit. False: at the end of the last stop bit, like a byte from
+  // Chip::receive.
   bool sci_ready_mid_stop = false;
   // System clock, Hz. Used only for flash times, which are specified in microseconds, and for the bit rates
   // of boot mode.

@@ -16,7 +16,7 @@ class Machine;
 
 // Returns level, driver and pull-up of a pin at the time `at`. The modules must have been advanced to `at`.
 PinState pin_state(const Machine& m, Pin pin, States at);
-// Returns the first state after `at` in which the module that drives a pin can change the pin's level.
+// Returns the earliest time after `at` at which the module that drives the pin can change the pin's level.
 States next_pin_change(const Machine& m, Pin pin, States at);
 
 // A PinWatch belongs to a machine, but is not part of the machine's state: the PinWatch is neither copied nor

@@ -17,7 +17,7 @@ class Pwm {
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // If the write would change no waveform, the function writes the register and returns true. Otherwise the
-  // function writes nothing and returns false. The caller must then call write().
+  // function writes nothing and returns false. If the result is false, the caller must call write().
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
     if (address == 0xffd7) return data_[select_ & 15] == value;
     if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
@@ -35,7 +35,7 @@ class Pwm {
   int high_counts(unsigned channel, States at) const;
   // Returns the level of the waveform at `at`.
   bool level(unsigned channel, States at, bool right_aligned) const;
-  // Returns the first state after `at` at which level() changes; kNever if the level is constant.
+  // Returns the time of the first change of level() after the time `at`; kNever if the level is constant.
   States next_change(unsigned channel, States at, bool right_aligned) const;
 
   // Serializes the complete state (shared/base/archive.hpp).

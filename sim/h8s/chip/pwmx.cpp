@@ -109,7 +109,8 @@ void Pwmx::write(Machine& m, std::uint32_t address, std::uint8_t value, States a
       return;
     case 0xffa1:
       if (second_bank())
-        m.misuse(address, "write to the address after DACR, which has no register while REGS is 1");
+        m.misuse(address,
+                 "write to the address after DACR: while REGS is 1, this address has no register");
       else
         dadr_[0] = word | 1;
       break;

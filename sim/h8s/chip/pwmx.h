@@ -25,8 +25,8 @@ class Pwmx {
   bool enabled(unsigned channel) const { return (dacr_ >> (channel ? 3 : 2) & 1) != 0; }
   // `data_is_low`: see Options::pwmx_data_is_low.
   bool level(unsigned channel, States at, bool data_is_low) const;
-  // Returns the next state at which the level changes without a register write; kNever: the level stays
-  // constant.
+  // Returns the time of the next level change, or kNever if the level stays constant. The result is valid
+  // until the next register write.
   States next_change(unsigned channel, States at, bool data_is_low) const;
 
   // Serializes the complete state (shared/base/archive.hpp).

@@ -117,7 +117,8 @@ std::string Machine::report(const std::string& headline) const {
   text += "called from\n" + back_trace(*this);
   text +=
       translator() && translator()->translated() > 0
-          ? "last instructions, except translated ones (the interpreter engine lists all of them)\n"
+          ? "last instructions that were not translated (to list all instructions, use the engine "
+            "`interpreter`)\n"
           : "last instructions\n";
   for (const std::uint32_t at : last_run(*this))
     text +=

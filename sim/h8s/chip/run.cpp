@@ -326,9 +326,9 @@ Stop Machine::run_to(Chip& chip, States until, bool single) {
     }
     if ((standby_ || (cpu.asleep && (system.sbycr & kSsby))) && stands_by()) {
       if (!stand_by(until))
-        return error_stop(
-            Stop::Reason::asleep_forever,
-            "standby without an enabled wake-up source, before " + symbols->describe(pc()));
+        return error_stop(Stop::Reason::asleep_forever,
+                          "standby without an enabled wake-up source; the next instruction is at " +
+                              symbols->describe(pc()));
       continue;
     }
     // The DTC takes the bus between two instructions, regardless of the CPU's interrupt mask.
@@ -364,9 +364,9 @@ Stop Machine::run_to(Chip& chip, States until, bool single) {
       const States any_event = std::min(next_event(), adc.next_event());
       if (event == kNever && single && until == kNever) event = any_event;
       if (event == kNever && any_event == kNever && !could_wake())
-        return error_stop(
-            Stop::Reason::asleep_forever,
-            "SLEEP without an enabled wake-up source, before " + symbols->describe(pc()));
+        return error_stop(Stop::Reason::asleep_forever,
+                          "SLEEP without an enabled wake-up source; the next instruction is at " +
+                              symbols->describe(pc()));
       if (single && event == kNever && until == kNever) return {};
       sleep_until(std::min(event, until));
       cpu.hold_off = first_after_reset_ = false;

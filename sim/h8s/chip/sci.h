@@ -68,8 +68,8 @@ class Sci {
   // Returns the level of TxD. Precondition: drives_txd() is true. `at` must not be before the start of the
   // current frame.
   bool txd(States at) const;
-  // Returns the first state later than `after` at which TxD changes. Returns kNever if that state is not yet
-  // known.
+  // Returns the time of the first change of TxD after the time `after`. Returns kNever if the time of this
+  // change is not yet known.
   States txd_change(States after) const;
   // Returns whether SCK is an output. In clocked mode, SCK is an output if the channel uses its internal
   // clock. In asynchronous mode, SCK is an output if CKE is 01; the channel then outputs the bit clock.
@@ -80,7 +80,8 @@ class Sci {
   bool takes_rxd() const { return (scr_ & 0x10) != 0; }
   bool takes_sck() const { return (scr_ & 2) != 0; }
   // Must be called after the board has changed the level of RxD or SCK. `driven` is false if the board has
-  // stopped driving RxD. The channel then receives only the bytes of incoming().
+  // stopped driving RxD. While the board does not drive RxD, the channel receives only the bytes of
+  // incoming().
   void rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at);
   void sck_edge(Machine& m, unsigned n, bool rising, States at);
 
@@ -88,7 +89,8 @@ class Sci {
   bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
 
   // After the DTC has read RDR, taken_by_dtc() must be called. After the DTC has written TDR, filled_by_dtc()
-  // must be called. If the DTC passes the interrupt on to the CPU, neither function is called.
+  // must be called. If the DTC passes the interrupt on to the CPU, taken_by_dtc() and filled_by_dtc() must
+  // not be called.
   void taken_by_dtc(Machine& m, unsigned n, States at);
   void filled_by_dtc(Machine& m, unsigned n, States at);
 
@@ -167,9 +169,9 @@ class Sci {
   int sample_ticks_ = 0;    // number of external clock pulses to the next sample
   ReceivedByte arrived_;    // byte that the channel has sampled but not yet delivered
   States arrives_ = kNever;
-  // In clocked mode, a channel can receive without transmission. If the clock is not external, the channel
-  // then generates eight clock pulses for each byte. `burst_` is the start time of the eight pulses in
-  // progress. If no pulses are in progress, `burst_` is kNever.
+  // Clocked mode with the internal clock: while only the receiver is on, the channel generates eight clock
+  // pulses for each byte. `burst_` is the start time of the eight pulses in progress. If no pulses are in
+  // progress, `burst_` is kNever.
   States burst_ = kNever;
 
   static StickyFlags empty() {

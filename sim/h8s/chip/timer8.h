@@ -21,12 +21,12 @@ struct Timer8 {
   std::uint8_t count = 0, tcr = 0, tcora = 0xff, tcorb = 0xff;
   std::uint8_t tcsr_low = 0;  // bits 4..0 of TCSR; bits 3..0 select how matches change the output
   StickyFlags flags;          // CMFB, CMFA, OVF in bits 7..5
-  States tick = 0;            // number of clock ticks that `count` includes
+  States tick = 0;            // number of the clock tick at which the counter had the value `count`
   bool level = false;         // output level
 
   unsigned clock_select() const { return tcr & 7u; }
   Clear clear() const { return static_cast<Clear>(tcr >> 3 & 3); }
-  // Returns whether an OS bit is set. The timer then drives its pin.
+  // Returns whether the timer drives its pin. The timer drives the pin while any OS bit is set.
   bool drives() const { return (tcsr_low & 0x0f) != 0; }
   // Returns the flags that are set and enabled as interrupts, in bits 7..5.
   unsigned requests() const { return flags.value() & tcr & 0xe0u; }
@@ -39,9 +39,9 @@ struct Timer8 {
   void matched(bool a, bool b);
   // Returns the period: the number of counts between two clears or overflows.
   std::int64_t turn() const;
-  // Skips whole periods, but leaves at least one period before the tick `target`. The remaining period sets
-  // the same flags as the skipped periods. If matches toggle the output, the function skips an even number of
-  // periods, so that the output level stays correct.
+  // Skips whole periods. The last period before the tick `target` is never skipped. In this last period, the
+  // timer sets the same flags as in the skipped periods. If matches toggle the output, the function skips an
+  // even number of periods, so that the output level stays correct.
   void skip_turns(States target);
   // Returns whether the timer counts this edge at the clock pin. The clock selection is 5 for rising edges, 6
   // for falling edges and 7 for both.
@@ -59,8 +59,8 @@ struct Timer8 {
   }
 };
 
-// Returns the output level after matches. If both matches occur at once, the effect with the highest priority
-// applies: toggle, then 1, then 0, then no change.
+// Returns the output level after compare match A (`a`), compare match B (`b`) or both. If both matches occur
+// at once, the effect with the highest priority applies: toggle, then 1, then 0, then no change.
 bool timer_output(bool level, std::uint8_t selection, bool a, bool b);
 
 }  // namespace kaz::h8s

@@ -32,8 +32,8 @@ class Tmr {
   // A timer drives its pin TMO0 or TMO1 while any OS bit is set.
   bool drives(unsigned n) const { return timer_[n].drives(); }
   bool level(unsigned n) const { return timer_[n].level; }
-  // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
-  // ignored.
+  // Returns the earliest time at which a match can change level(). The function ignores matches that
+  // advance() has already applied.
   States next_change(const Machine& m, unsigned n) const;
   // Returns the duty cycle 0..1 of the steady waveform.
   double high_share(Machine& m, unsigned n) const;

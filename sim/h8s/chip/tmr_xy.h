@@ -39,8 +39,8 @@ class TmrXY {
   // TMRX drives TMOX while any OS bit is set.
   bool drives() const { return timer_[x].drives(); }
   bool level() const { return timer_[x].level; }
-  // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
-  // ignored.
+  // Returns the earliest time at which a match can change level(). The function ignores matches that
+  // advance() has already applied.
   States next_change(const Machine& m) const;
   bool waits_for_input() const;
 

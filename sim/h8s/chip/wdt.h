@@ -43,7 +43,7 @@ class Wdt {
   std::uint8_t tcsr_ = 0;  // TCSR without OVF
   StickyFlags ovf_;
   std::uint8_t count_ = 0;
-  std::int64_t tick_ = 0;  // number of clock ticks that count_ includes
+  std::int64_t tick_ = 0;  // number of the clock tick at which the counter had the value count_
 };
 
 }  // namespace kaz::h8s

@@ -1,9 +1,9 @@
 // Access of instruction handlers to registers, memory and the stack.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inline functions serve RAM and flash. Other accesses go to cpu/memory.cpp and the bus. Addresses are
-// masked to the address width of the CPU mode. A word at an odd address is accessed at the even address
-// below.
+// The inline functions serve RAM and flash. If an inline function cannot serve an access, cpu/memory.cpp and
+// the bus serve that access. Addresses are masked to the address width of the CPU mode. For a word at an odd
+// address A, the even address A - 1 is used.
 #pragma once
 
 #include <cstring>
@@ -15,7 +15,8 @@
 namespace kaz::h8s {
 
 // The slow path handles all accesses to short RAM, I/O registers, unmapped addresses, and words at odd
-// addresses. It also handles writes to flash, and reads of flash during programming.
+// addresses. The slow path also handles writes to flash, and reads of flash while flash is programmed, erased
+// or verified.
 std::uint8_t slow_load8(Cpu& c, std::uint32_t address);
 std::uint16_t slow_load16(Cpu& c, std::uint32_t address);
 void slow_store8(Cpu& c, std::uint32_t address, std::uint8_t value);
@@ -67,7 +68,7 @@ inline std::optional<std::uint32_t> ram_offset(const Cpu& c, std::uint32_t addre
   return std::nullopt;
 }
 
-// Must be called after a write to RAM, which may have changed an instruction.
+// Must be called after each write to RAM, because the write may have changed an instruction.
 inline void note_ram_write(Cpu& c, std::uint32_t offset) {
   if (c.has_code[offset / kLine]) [[unlikely]]
     forget_code(c, offset & ~1u);

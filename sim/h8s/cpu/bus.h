@@ -14,10 +14,10 @@ struct Cpu;
 class Bus {
  public:
   // The CPU calls these functions for accesses to the short RAM window, I/O registers and unmapped addresses.
-  // It also calls them for writes to flash, and for reads of flash while flash is programmed, erased or
-  // verified. While the chip is observed, the CPU calls these functions for every access. Addresses must be
-  // masked to the address width of the CPU mode, and must be even for words. These functions add wait states
-  // to Cpu::stall and raise Fault::unmapped at an unmapped address.
+  // The CPU also calls these functions for writes to flash, and for reads of flash while flash is programmed,
+  // erased or verified. While the chip is observed, the CPU calls these functions for every access. Addresses
+  // must be masked to the address width of the CPU mode, and must be even for words. These functions add wait
+  // states to Cpu::stall and raise Fault::unmapped at an unmapped address.
   virtual std::uint8_t load8(std::uint32_t address) = 0;
   virtual std::uint16_t load16(std::uint32_t address) = 0;
   virtual void store8(std::uint32_t address, std::uint8_t value) = 0;
@@ -27,11 +27,12 @@ class Bus {
   virtual std::uint16_t load_io16(std::uint32_t address) = 0;
   virtual void store_io8(std::uint32_t address, std::uint8_t value) = 0;
   virtual void store_io16(std::uint32_t address, std::uint16_t value) = 0;
-  // Reports a word access at the odd `address`. The CPU accesses the even address below.
+  // Reports a word access at the odd `address`. The CPU then accesses the word at the even address, `address`
+  // minus 1.
   virtual void odd_word_access(std::uint32_t address) = 0;
 
-  // Returns whether a requested interrupt may pass the mask bits of CCR. In interrupt control mode 1 the
-  // result is also true for masked requests.
+  // Interrupt control mode 0: returns whether any requested interrupt is not masked by CCR. Interrupt control
+  // mode 1: returns whether any interrupt is requested, masked or not.
   virtual bool interrupt_pending() const = 0;
 
   // Returns whether `pc` has a code hook that must be called before the instruction at `pc` runs.

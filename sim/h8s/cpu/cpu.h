@@ -24,7 +24,7 @@ struct Insn {
   // instruction to the target, in 16-bit units.
   std::uint32_t imm;
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
-  std::uint8_t states;  // duration with on-chip memory; I/O accesses add to Cpu::stall
+  std::uint8_t states;  // duration in states; Cpu::stall holds additional time
   std::uint8_t units;   // length in 16-bit units
 };
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
@@ -70,11 +70,11 @@ inline constexpr std::uint32_t kTrail = 32;
 // flags into a byte. Operands of 8 and 16 bits are shifted to the top of 32 bits. Therefore each flag has the
 // same bit position for all three operand sizes.
 struct Flags {
-  std::uint32_t n = 0;  // N is bit 31
-  std::uint32_t z = 1;  // Z is set if `z` is 0
-  std::uint32_t v = 0;  // V is bit 31
-  std::uint32_t h = 0;  // H is bit 28 (flags.h)
-  std::uint32_t c = 0;  // C is 0 or 1
+  std::uint32_t n = 0;  // flag N is bit 31 of `n`
+  std::uint32_t z = 1;  // flag Z is set if `z` is 0
+  std::uint32_t v = 0;  // flag V is bit 31 of `v`
+  std::uint32_t h = 0;  // flag H is bit 28 of `h` (flags.h)
+  std::uint32_t c = 0;  // flag C itself: 0 or 1
   template <class A>
   void transfer(A& a) {
     a(n, z, v, h, c);
@@ -90,8 +90,8 @@ struct Cpu {
   States now = 0;            // end time of the running instruction, without `stall`
   // The inner loop ends at the first instruction boundary with now >= stop.
   States stop = 0;
-  // States of I/O accesses and block moves since the inner loop was entered. `now` does not include these
-  // states.
+  // Time that I/O accesses and block moves have added since the inner loop was entered, in states. `now` does
+  // not include this time.
   States stall = 0;
   std::int64_t executed = 0;  // instructions
 
@@ -108,14 +108,14 @@ struct Cpu {
   std::uint32_t ram_base = kBlock + kRam;
   std::uint32_t quick_flash = kFlashSize;
   bool observed = false;
-  std::uint32_t ram_at = kBlock + kRam;  // address of RAM, independent of ram_base
+  std::uint32_t ram_at = kBlock + kRam;  // address of RAM, valid even while the chip is observed
   std::uint32_t ram_code = kRamCode;     // index of the first RAM entry in `code`
   // Index of the first entry of short RAM in `code`. The flat machine has no short RAM. On the flat machine,
   // this index is code_size.
   std::uint32_t short_ram_code = kShortRamCode;
   std::uint32_t code_size = kCodeSize;     // number of entries in `code`
   Bus* bus = nullptr;                      // null: there is RAM at every address (Flat)
-  const std::uint64_t* pending = nullptr;  // interrupt requests, two words; only with `bus`
+  const std::uint64_t* pending = nullptr;  // two words of interrupt requests; null if `bus` is null
   bool hooks = false;                      // whether any code hook is set
   Engine engine = Engine::interpreter;
   CodeCache* translated = nullptr;       // null: instructions are interpreted
@@ -134,8 +134,9 @@ struct Cpu {
   bool hold_off = false;  // no interrupt is accepted before the next instruction
   bool asleep = false;
   bool moving = false;          // an EEPMOV.W was interrupted between two bytes
-  bool code_discarded = false;  // translated code was discarded while this code ran
-  // True if has_code may have flags set. If false, translated stores skip the check of has_code.
+  bool code_discarded = false;  // the code cache was cleared while translated code was running
+  // True if has_code may have flags set. If false, store instructions in translated code do not check
+  // has_code.
   bool code_in_ram = false;
   Fault fault = Fault::none;
   std::uint32_t fault_address = 0;
@@ -150,8 +151,8 @@ struct Cpu {
   std::uint32_t jumps = 0;
 };
 
-// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. A value
-// near the lowest integer would make the difference `stop - now` overflow.
+// Ends the inner loop at the next boundary. Sets `stop` to -1, which is less than any time value. `stop` is
+// not set to the lowest integer, because the difference `stop - now` would then overflow.
 inline void end_stretch(Cpu& c) {
   c.stop = -1;
 }
@@ -162,8 +163,8 @@ inline bool is_io(const Cpu& c, std::uint32_t address) {
   return offset < kIoSize && offset - (kShortRam - kIo) >= kShortRamSize;
 }
 
-// Adds wait states. `now` includes wait states only after the inner loop ends. Therefore `stop` is reduced by
-// the wait states.
+// Adds wait states to `stall`. While the inner loop runs, `now` does not include wait states. Therefore the
+// function subtracts the wait states from `stop`, so that the inner loop ends at the right time.
 inline void add_stall(Cpu& c, int states) {
   c.stall += states;
   if (c.stop > 0) c.stop -= states;
@@ -198,8 +199,9 @@ inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
   return (c.mask & (kBlock + kShortRam)) + (index - kShortRamCode) * 2;
 }
 
-// Returns the entry of Cpu::code for an address, or `outside` if the address has no memory. Bit 0 is ignored.
-// Exception: on the flat machine an odd address returns an `outside` that raises Fault::odd_pc.
+// Returns the entry of Cpu::code for an address, or `outside` if the address has no memory. On the chip, the
+// function ignores bit 0 of the address. On the flat machine, the function returns `outside` for an odd
+// address. The CPU raises Fault::odd_pc when it runs this `outside`.
 const Insn* at_address(Cpu& c, std::uint32_t address);
 
 inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {
@@ -217,15 +219,17 @@ inline const Insn* jump_to(Cpu& c, const Insn* from, std::uint32_t address) {
 // Decodes the instruction at `ip` into Cpu::code and returns its handler.
 Handler decode_in_place(Cpu& c, const Insn* ip);
 
-// Must be called before a flag of has_code is set. The first call discards translated code, because stores in
-// that code do not check the flags.
+// Must be called before a flag of has_code is set. The first call discards all code that was translated
+// before the call, because the stores in that code do not check has_code.
 void note_code_in_ram(Cpu& c);
 
-// Like decode_in_place(), but leaves branches in their general form. Used by the reference engine.
+// Like decode_in_place(), but does not use the special handlers for near branches (see Insn::imm). Used by
+// the reference engine.
 Handler decode_afresh(Cpu& c, const Insn* ip);
 
-// Each of these functions runs instructions until the time `now` has reached the time `stop`. These
-// instructions are one stretch. The members of `c` determine the engine that run_stretch() uses.
+// Each of these functions runs instructions until the time `now` has reached the time `stop`. The
+// instructions that one call runs are called a "stretch". The members of `c` determine the engine that
+// run_stretch() uses.
 void run_stretch(Cpu& c);
 void run_reference(Cpu& c);
 void run_interpreter(Cpu& c);

@@ -48,8 +48,9 @@ T flags_sub(Cpu& c, T a, T b) {
   return r;
 }
 
-// H is the carry or borrow into the upper four bits of the operand. The lowest of these four bits in
-// `a ^ b ^ r` has the value of H. The function up() moves this bit to bit 28.
+// H is the carry or borrow into the top four bits of the operand. If `a` and `b` are the operands and `r` is
+// the result, one bit of `a ^ b ^ r` has the value of H. For a byte, H is in bit 4; for a word, in bit 12;
+// for a long word, in bit 28. The function up() moves H to bit 28.
 
 // Addition with carry. Clears Z but never sets Z. A program can add two long numbers byte by byte: the lowest
 // bytes with ADD, and all other bytes with ADDX. After the last addition, Z shows whether the whole sum is 0.

@@ -55,8 +55,8 @@ struct World {
   // Data accesses, which are recorded in `data`.
   u32 load(int bits, u32 address);
   void store(int bits, u32 address, u32 value);
-  // Stack and vector accesses, which are not recorded in `data`. Columns K and J of the manual's table
-  // contain the number of these accesses.
+  // Stack and vector accesses, which are not recorded in `data`. In the manual's table, column K counts the
+  // stack accesses and column J counts the vector accesses.
   u32 load_uncounted(int bits, u32 address);
   void push16(u32 value);
   u32 pop16();
@@ -70,7 +70,8 @@ struct Fields {
   u32 operator[](char letter) const { return value[static_cast<std::size_t>(letter - 'a')]; }
 };
 
-// Columns of the manual's table of states. J and K have values for normal and advanced mode.
+// Columns of the manual's table of states. J and K each have two values: element 0 is for normal mode,
+// element 1 for advanced mode.
 struct Cycles {
   int i = 1;
   std::array<int, 2> j{}, k{};
@@ -99,7 +100,7 @@ const Form* find(std::span<const u16> units);
 // memory.
 int step(World& w, const Form& form, std::span<const u16> units);
 
-// Append the forms of one kind to `to`. Only forms() calls these functions.
+// Each of these functions appends the forms of one kind to the list. Only forms() calls these functions.
 void list_moves(std::vector<Form>& to);
 void list_arithmetic(std::vector<Form>& to);
 void list_bits(std::vector<Form>& to);

@@ -15,7 +15,9 @@ inline constexpr States kNever = std::numeric_limits<States>::max();
 // How instructions are executed. At every instruction boundary all three engines have the same registers,
 // memory and time. The engines differ only in speed.
 enum class Engine {
-  reference,    // decodes each instruction each time it runs; slow; checks the other engines
+  // Decodes an instruction each time the instruction runs; slow. Tests compare the other engines with this
+  // engine.
+  reference,
   interpreter,  // decodes each instruction once
   // Interpreter that runs hot blocks as host code. A build without x86-64 or asmjit uses `interpreter`
   // instead.

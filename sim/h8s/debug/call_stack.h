@@ -15,8 +15,8 @@ struct Frame {
   std::uint32_t sp = 0;         // ER7 at entry to the function
   bool interrupt = false;
   States begin = 0;  // time of the call or of the exception entry
-  // Used by the class Profile: number of states that the chip spent asleep or in completed interrupts before
-  // the time `begin`.
+  // Used only by the class Profile. States before the time `begin` in which the chip slept, plus the states
+  // of all interrupts completed before this time.
   States away = 0;
 };
 
@@ -39,7 +39,7 @@ class CallStack : public Observer {
   // Called when a frame begins or ends. During this notification the frame is the last element of frames_.
   virtual void begun(Frame&) {}
   virtual void ended(const Frame&, States /*at*/) {}
-  // Called when an instruction of the last frame has run.
+  // Called after each executed instruction. The instruction belongs to the innermost frame, `frames_.back()`.
   virtual void spent(const Executed&) {}
 
   const Chip& chip_;

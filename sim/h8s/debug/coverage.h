@@ -26,7 +26,7 @@ class Coverage final : public Observer {
   // Returns a table with one line per function. The columns are bytes covered, size, share covered,
   // executions of the first instruction, and branches that always went one way. Bytes between functions
   // (constants, gaps) do not count. If the image does not state the size of a function, size and share are
-  // "-". In this case, covered bytes are counted up to the next function.
+  // "-". For a function without a size, the covered bytes are counted up to the next function.
   std::string text() const;
   // Returns an lcov tracefile for genhtml, with FN, DA and BRDA records. The image must have line numbers.
   std::string lcov() const;

@@ -33,14 +33,15 @@ class GdbPort {
 
   // Waits for a connection from GDB. Serves GDB until GDB kills the program, detaches or closes the
   // connection. Runs the chip in slices of `slice` states and checks for Ctrl-C between two slices. Also
-  // returns when the file descriptor `stop` becomes readable. This return does not wait until GDB reads the
-  // replies. If `stop` is -1, there is no such descriptor. Error: the connection fails.
+  // returns when the file descriptor `stop` becomes readable, even if GDB has not yet read all replies. If
+  // `stop` is -1, there is no such descriptor. Error: the connection fails.
   //
-  // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). The
-  // function waits for the next client if a client was rejected or has disconnected without sending a byte. A
-  // new client replaces the current client if the current client has not yet sent a complete packet. Until
-  // then, the current client could still be a web browser. If a client cannot be accepted, for example
-  // because no file descriptor is free, the function retries every 100 ms.
+  // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). If a
+  // client was rejected, or has disconnected before its first packet was complete, the function waits for the
+  // next client. If a new client connects before the current client has sent a complete packet, the new
+  // client replaces the current client. A client could be a web browser until its first packet is
+  // complete. If a client cannot be accepted, for example because no file descriptor is free, the function
+  // retries every 100 ms.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

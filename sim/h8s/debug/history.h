@@ -49,8 +49,10 @@ struct Halt {
 };
 
 struct HistoryOptions {
-  States spacing = 100'000;  // number of states between the newest snapshots
-  // Maximum number of snapshots, 0.2 MB each. Older snapshots are farther apart.
+  // Time, in states, from one snapshot until the next snapshot is taken.
+  States spacing = 100'000;
+  // Maximum number of snapshots, 0.2 MB each. Above the maximum, snapshots are dropped so that old snapshots
+  // are farther apart than new snapshots.
   std::size_t snapshots = 40;
   // Maximum number of inputs and A/D samples, about 40 bytes each. Above the maximum, the oldest part of the
   // history is dropped.
@@ -60,8 +62,9 @@ struct HistoryOptions {
 // Records a chip, starting when this object is constructed. The chip must outlive this object. Run the chip
 // only through this object, which takes snapshots during the run. A run that begins before end() replays the
 // record up to end(). The replay does not call the chip's listeners again. If an input (such as a poke or a
-// pin level) occurs at a time before end(), the rest of the record is discarded. Load, power_on, restore,
-// call and inputs from listeners restart the history. Inputs from code hooks are recorded.
+// pin level) occurs at a time before end(), the rest of the record is discarded. The history is discarded and
+// started again after a call of Chip::load, power_on, restore, read_state or call, and after an input from a
+// listener. Inputs from code hooks are recorded.
 class History final : public InputLog {
  public:
   explicit History(Chip& chip, HistoryOptions options = {});
@@ -73,7 +76,7 @@ class History final : public InputLog {
   // dropped.
   States begin() const;
   States end() const;
-  // Returns whether the time of the chip is before end(). A run then replays the record.
+  // Returns whether the time of the chip is before end(). If true, the next run replays the record.
   bool replaying() const;
 
   // Runs until `until` or a trigger.
@@ -85,8 +88,8 @@ class History final : public InputLog {
   Halt step_back();
   // Goes to the first boundary at or after `at`. Error: `at` is not in begin()..end().
   Result<void> back_to(States at);
-  // Goes back to the last earlier instruction boundary at which a trigger fires. If no trigger fires at any
-  // earlier boundary, goes back to begin().
+  // Runs backward from the current instruction boundary until a trigger fires. Triggers at the current
+  // boundary are ignored. If no trigger fires, goes back to begin().
   Halt reverse_continue(const Triggers& triggers);
 
   void input(std::function<void(Chip&)> apply) override;
@@ -105,7 +108,7 @@ class History final : public InputLog {
   };
   struct Snapshot {
     States at;
-    std::size_t inputs;  // number of inputs that the snapshot includes
+    std::size_t inputs;  // number of recorded inputs before the snapshot
     std::shared_ptr<const Chip> chip;
   };
   struct Player;
@@ -127,7 +130,7 @@ class History final : public InputLog {
   std::vector<Snapshot> snapshots_;
   std::vector<Input> inputs_;
   std::vector<Sample> samples_;
-  std::size_t cursor_ = 0;  // number of inputs that the chip's state includes
+  std::size_t cursor_ = 0;  // number of inputs already applied to chip_
   States end_ = 0;
   bool adopting_ = false;
   bool broken_ = false;  // an input could not be recorded; the next call restarts the history

@@ -26,9 +26,10 @@ std::int64_t picoseconds(States at, std::int64_t hertz);
 // - Memory by symbol or address, with its width in bits: "_tick:16", "0xffe100:8". The default width is 8.
 //
 // Pins change at their exact states. The value of a pin is '0' or '1', or 'z' if neither a driver nor a
-// pull-up is active. P46 has the value 'x' while this pin outputs the clock. Other signals are sampled at
-// each instruction boundary and written if the value has changed. If two registers share an address, only the
-// selected register is sampled. The other register keeps its last value, or 'x' before its first sample.
+// pull-up is active. P46 has the value 'x' while this pin outputs the clock. Registers and memory are sampled
+// at each instruction boundary. If a value has changed, the new value is written. If two registers share an
+// address, control bits of the chip determine the selected register. Only the selected register is sampled.
+// The other register keeps its last value, or 'x' before its first sample.
 //
 // The recorder never rewrites entries. If the chip is restored to an earlier state, the recorder adds no
 // entries until the chip has passed the time of the last entry.

@@ -17,7 +17,8 @@ class VcdWriter {
     std::string scope, name;
     int bits = 1;
   };
-  // Writes the header, with the scopes of the variables inside "h8s2128". `to` must outlive this object.
+  // Writes the header. In the header, the scope "h8s2128" contains the scopes of all variables. `to` must
+  // outlive this object.
   VcdWriter(std::ostream& to, const std::vector<Variable>& variables);
   // Writes the initial values, one for each variable. Must be called once, before change().
   void begin(std::int64_t picoseconds, const std::vector<std::string>& values);

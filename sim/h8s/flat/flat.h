@@ -32,7 +32,7 @@ struct FlatStop {
     reached,                // a limit of Flat::run was reached
     exited,                 // SLEEP with the end mark; `status` is the program's exit status
     asleep,                 // SLEEP without the end mark; this sleep would never end
-    undefined_instruction,  // also for instructions that only the H8S/2600 has
+    undefined_instruction,  // the H8S/2000 lacks the instruction; the H8S/2600 may have it
     odd_pc,
     bad_request,    // unknown semihosting request or descriptor
     output_failed,  // the output listener returned false
@@ -79,14 +79,15 @@ class Flat {
   void on_output(Output listener);
 
   static constexpr States kNoLimit = std::numeric_limits<States>::max();
-  // Runs until now() >= until, instructions() >= count, or the program ends. After the program has ended,
-  // each further call returns the last FlatStop until set_registers() or load() is called.
+  // Runs until the program ends or a limit is reached. The limit of now() is `until`; the limit of
+  // instructions() is `count`. After the program has ended, each further call returns the last FlatStop until
+  // set_registers() or load() is called.
   FlatStop run(States until = kNoLimit, std::int64_t count = kNoLimit);
   States now() const;
   std::int64_t instructions() const;  // number of executed instructions; EEPMOV counts as one
 
   Registers registers() const;
-  // Sets the registers. After this call, a program that has ended can continue.
+  // Sets the registers. If the program has ended, the next run() continues the program with these registers.
   void set_registers(const Registers& registers);
   // Reads and writes of RAM. Addresses are taken modulo 2^24.
   std::uint8_t peek(std::uint32_t address) const;

@@ -17,7 +17,7 @@ constexpr double kThreshold = 0.5;
 std::string Conflict::text() const {
   if (second.empty())
     return "net " + net + " does not settle at state " + std::to_string(at) +
-           ": a loop without delay, last driven by " + first;
+           ", because of a loop without delay; the last driver of the net was " + first;
   return "net " + net + " is driven both high and low from state " + std::to_string(at) +
          " on: by " + first + " and by " + second;
 }

@@ -31,7 +31,8 @@ class Part {
   virtual ~Part() = default;
   // Called once when the part is added, and after Netlist::restore.
   virtual void start(Netlist&, States) {}
-  // Called after a change of the voltage or drive of a net to which the part listens.
+  // If the part listens to a net, the netlist calls this function after the net's voltage has changed, or
+  // after the net has become driven or undriven.
   virtual void changed(Netlist&, Net, States /*at*/) {}
   // Called at the time scheduled with Netlist::wake.
   virtual void woken(Netlist&, States /*at*/) {}
@@ -58,7 +59,7 @@ class Netlist {
   struct Settings {
     std::int64_t hertz = 18'432'000;  // states per second
     double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
-    double weak_high_ohms = 1'000;    // resistance of high NMOS push-pull outputs (P47, P52)
+    double weak_high_ohms = 1'000;    // resistance of P47 and P52 (NMOS push-pull) while high
   };
   // Watches all pins of the chip that are on nets. If anything other than the chip drives the net of a pin,
   // the netlist sets the input level of the pin. Becomes the analog source of the chip. `chip` must outlive
@@ -122,8 +123,8 @@ class Netlist {
   // Schedules woken() for `at` and replaces an earlier schedule. To cancel the schedule, set `at` to the
   // maximum value of the type States.
   void wake(Part& part, States at);
-  // A part must call this function after a moving voltage has crossed 0.5, the threshold between low and
-  // high. The function evaluates the output's net again.
+  // When the moving voltage of an output crosses 0.5, the net changes between low and high. The part must
+  // then call touch() for this output. touch() evaluates the output's net again.
   void touch(int output);
 
  private:
@@ -181,9 +182,9 @@ class Netlist {
 // - `pull-up NET OHMS` and `pull-down NET OHMS`.
 // - `wire NET NET ...` joins nets.
 // - `analog NET SHARE [OHMS]`: SHARE is a fraction of AVCC, 0..1.
-// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: a switch from NET to the supply or ground, which is closed
-//   during each interval FROM..TO. With `closed`, the switch is open during these intervals and closed
-//   otherwise.
+// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: a switch from NET to the supply or ground. Without the word
+//   `closed`, the switch is closed during each interval FROM..TO and open at all other times. With the word
+//   `closed`, the switch is open during each interval FROM..TO and closed at all other times.
 // - `inverter IN OUT [DELAY]`.
 // - `open-drain IN OUT`: OUT is low while IN is high.
 // - `rc IN OUT OHMS FARADS`.

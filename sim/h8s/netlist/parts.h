@@ -64,9 +64,10 @@ class OpenDrain : public Part {
   int output_ = -1;
 };
 
-// Low-pass: a resistor, and a capacitor to ground. Between two edges of the input, the output follows exactly
-// `v = vin + (v0 - vin) exp(-t / RC)`. The output holds its voltage while the input is not driven. The output
-// must not be loaded, and no other moving voltage may drive the input.
+// Low-pass: a resistor, and a capacitor to ground. Between two edges of the input, the output voltage is
+// `v = vin + (v0 - vin) exp(-t / RC)`. The time t begins at the first of these two edges. v0 is the output
+// voltage at t = 0, and vin is the input voltage. The output holds its voltage while the input is not driven.
+// The output must not be loaded. The input must not be driven by a moving voltage (Netlist::drive).
 class Rc : public Part {
  public:
   Rc(Net in, Net out, double ohms, double farads)
@@ -107,8 +108,8 @@ class Probe : public Part {
  public:
   Probe(Net net, std::string name) : net_(net), name_(std::move(name)) {}
   const std::string& name() const { return name_; }
-  // Returns the level at the start and the level after each change, with the time from which each level
-  // applies.
+  // Returns pairs of a time and a level. The first pair contains the level at the start. Each other pair
+  // contains the time of a change and the new level.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
   // Returns the fraction of the time from `from` to `to` during which the net was high.
   double high_share(States from, States to) const;

@@ -38,8 +38,8 @@ enum class From : std::uint8_t {
   bit,     // Z from r & b
 };
 
-// Operation and operands from which flags can be recomputed. Operand b is `value` if `immediate`, else the
-// register part `b`.
+// Operation and operands from which flags can be recomputed. If `immediate` is true, the operand b is the
+// number `value`. Otherwise the operand b is the register part `b`.
 struct Definition {
   From from = From::nothing;
   Part r{};
@@ -58,7 +58,7 @@ struct Step {
 
   // The next four members are masks of flags.
   unsigned sets = 0;         // flags that the step writes
-  unsigned recoverable = 0;  // flags of `sets` that `definition` can recompute
+  unsigned recoverable = 0;  // subset of `sets`: flags that can be recomputed from `definition`
   unsigned uses = 0;         // flags that the step reads from memory
   unsigned keep = 0;         // flags that the step sets and must store to memory
   bool exits = false;        // the block may be left before this step has any effect
@@ -117,8 +117,9 @@ enum class Place : std::uint8_t { ram, short_ram, flash, elsewhere };
 Place place_of(const Cpu& c, std::uint32_t address, unsigned size);
 
 // Returns the block that begins at index `start` of Cpu::code. The block has no steps if the first
-// instruction cannot be translated. The block ends before an index for which `known(index)` is true, for
-// example because another block begins there.
+// instruction cannot be translated. If `known(index)` is true for the index of a later instruction, the
+// block ends before this instruction. For example, known() can be true for the first instruction of another
+// block.
 template <class Known>
 Block find_block(Cpu& c, std::uint32_t start, const Known& known);
 

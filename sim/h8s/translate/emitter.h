@@ -22,10 +22,11 @@ struct Entry {
 };
 static_assert(sizeof(void*) != 8 || sizeof(Entry) == 16);
 
-// Record for the near-end version of a block: host code that runs shortly before Cpu::stop. This version runs
-// if the number of states until Cpu::stop is at most Block::bound.
+// Record for the near-end version of a block. The near-end version is host code that runs shortly before
+// Cpu::stop. This version runs if the number of states until Cpu::stop is at most Block::bound.
 struct NearEnd {
-  // Host code that checks the time left after each instruction; null: no code.
+  // Host code of the near-end version; null: no code. Between two instructions, the host code checks whether
+  // time is left until Cpu::stop.
   const void* code = nullptr;
   std::uint16_t bound = 0;  // Block::bound of the block that begins at this entry
   std::uint16_t count = 0;  // number of times that the block did not fit into the time left
@@ -59,10 +60,10 @@ struct Gate {
   // Exit from translated code. Arguments: edi is the index of the next instruction, esi is the return value.
   const void* leave = nullptr;
   // Subroutine that runs the handler of an instruction. Arguments: rdi is the address of the instruction's
-  // entry in Cpu::code. rsi is Block::bound minus the number of states from the start of the block to the end
-  // of the instruction. Results: kLeft is valid for the next instruction, and the host's flags are the result
-  // of comparing kLeft with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must be
-  // left.
+  // entry in Cpu::code. rsi is Block::bound minus the number of states from the start of the block to the
+  // end of the instruction. Results: kLeft is the return value of run_handler(). The host's flags are the
+  // result of comparing kLeft with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must
+  // be left.
   const void* interpret = nullptr;
   // Subroutines that only access an I/O register. Arguments: rdi and rsi have the same meaning as for
   // `interpret`. For a store, r15 is the value to store. Results: a load returns the loaded value in edi. If
@@ -72,12 +73,12 @@ struct Gate {
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
-  // Exit from translated code if Cpu already holds the complete state except kExecuted.
+  // Second exit from translated code. Before the jump to this exit, Cpu must hold the complete state. This
+  // exit only adds kExecuted to Cpu::executed.
   const void* leave_complete = nullptr;
-  // Jump target for an instruction that continues execution at another address. TRAPA is such an instruction.
-  // Arguments: rdi and rsi have the same meaning as for `interpret`. Runs the instruction's handler, then the
-  // block at the new address. If there is no block at the new address, or if no time is left, the translated
-  // code is left.
+  // Jump target for an interpreted instruction that ends its block, such as TRAPA. Arguments: rdi and rsi
+  // have the same meaning as for `interpret`. Runs the instruction's handler, then the block at the address
+  // in Cpu::ip. If there is no block at this address, or if no time is left, the translated code is left.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -85,11 +86,13 @@ struct GateLabels {
 };
 void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entries);
 
-// Runs the handler of `ip`, with the complete state in `c`. Returns the states left at the next instruction,
-// minus `rest`. A result of 0 or less means that the block must be left.
+// Runs the handler of `ip`, with the complete state in `c`. If the CPU must not continue with the next
+// instruction of the block, returns 0. Otherwise returns the number of states from the next instruction to
+// Cpu::stop, minus `rest`. `rest` is the argument rsi of Gate::interpret. A result of 0 or less means that
+// the block must be left.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
-// Runs the handler of `ip`, with the complete state in `c`. After the instruction, execution continues at
-// another address. Returns the host code at this address, or null if the block must be left.
+// Runs the handler of `ip`, with the complete state in `c`. The instruction ends its block. Returns the host
+// code of the block at the new address in Cpu::ip, or null if the translated code must be left.
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a
@@ -138,8 +141,8 @@ class Emitter {
   void find_target(std::size_t k);
   // Emits the jump from step k to a block. r15 contains twice the index of this block in Cpu::code.
   void leave_through_table(std::size_t k);
-  // Emits the jump to the block at index `target` of Cpu::code. The jump is taken when the first `steps`
-  // steps of the current block have run.
+  // Emits the jump to the block at index `target` of Cpu::code. Before the jump, the first `steps` steps of
+  // the current block have run.
   void emit_edge(std::size_t steps, std::uint32_t target);
   void emit_out(std::uint32_t index, std::uint32_t answer);
   // Returns the label of the exit that is taken before step k has any effect.
@@ -168,7 +171,7 @@ class Emitter {
   static host::Gp sized(const host::Gp& r, unsigned size);
   void get(const host::Gp& to, Part part);
   void put(Part part, const host::Gp& from);
-  // Loads a part shifted to the top of 32 bits, with zeros below.
+  // Loads a part into the highest bits of the 32-bit register `to`. The bits below the part are 0.
   void get_up(const host::Gp& to, Part part);
   void get_operand_up(const host::Gp& to, const Definition& d);
   // turn() rotates the register so that the part is at bit 0. turn_back() reverses this rotation.
@@ -218,15 +221,15 @@ class Emitter {
   const std::vector<Block>* blocks_ = nullptr;
   const Block* block_ = nullptr;
   std::map<std::uint32_t, std::size_t> block_at_;
-  std::vector<asmjit::Label> inside_;   // entries of the blocks, without the check of the time left
+  std::vector<asmjit::Label> inside_;   // for each block: entry behind the check of the time left
   std::vector<asmjit::Label> outside_;  // entries of the blocks for code outside the unit
   std::vector<asmjit::Label> late_;     // for each block: code that emit_late() emits
   std::vector<std::function<void()>> side_, cold_;
 
   Pending pending_{};
-  // Result of a range check that holds within a block: all addresses from register + `low` to register +
-  // `high` - 1 are in RAM. One check can cover several accesses. If this check fails, a second version of the
-  // block's code runs. The second version checks each access.
+  // Result of a range check in the current block: each address from A to B is in RAM. A is register + `low`,
+  // and B is register + `high` - 1. One check can cover several accesses. If this check fails, a second
+  // version of the block's code runs. The second version checks each access.
   struct Proof {
     std::int32_t low = 0, high = 0;
     bool even = false;  // the value of the register is even

@@ -11,8 +11,8 @@ namespace kaz::h8s::translate {
 enum class Op : std::uint8_t {
   none,     // not translated: the block ends before this instruction
   handler,  // calls the interpreter's handler, which changes only registers and flags
-  // Calls the interpreter's handler. The handler gets the complete CPU state, because it may access the chip
-  // or end the stretch. If `detail` is 1, execution never continues with the next instruction of the block.
+  // Calls the interpreter's handler. The handler gets the complete CPU state, because the handler may access
+  // the chip or call end_stretch(). If `detail` is 1, the block ends after this instruction.
   interpreted,
   nop,
   mov,
@@ -49,7 +49,7 @@ enum class Op : std::uint8_t {
   jsr,
   rts,
   rte,
-  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is a Control
+  control,  // ANDC, ORC, XORC #imm to CCR; `detail` is a value of the enum Control
   stm,
   ldm,
 };
@@ -77,7 +77,7 @@ struct Form {
   // The meaning depends on `op`. bcc: number of the condition. shift: a value of Shift. control: a value of
   // Control. adds: 1 for SUBS. Bit operations: 1 for the inverting form (such as BIST).
   std::uint8_t detail = 0;
-  // Literal operand of shifts, adds, inc and dec; number of registers of ldm and stm.
+  // shift, adds, inc, dec: the literal operand. ldm, stm: the number of registers.
   std::uint8_t count = 0;
   std::uint8_t first = 0;           // ldm, stm: lowest register
   bool number_in_register = false;  // bit operations: the bit number is in a register

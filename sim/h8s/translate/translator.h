@@ -22,8 +22,9 @@ class Translator final : public CodeCache {
 
   // Runs instructions until now >= stop.
   void run(Cpu& c) override;
-  // Must be called after a change of `count` entries of Cpu::code, beginning at index `first`. If translated
-  // code contains one of these entries, all translated code is discarded.
+  // Must be called when entries of Cpu::code have changed. `first` is the index of the first of these
+  // entries, and `count` is their number. If translated code contains one of these entries, all translated
+  // code is discarded.
   void forget(std::uint32_t first, std::uint32_t count) override;
   // Must be called when a code hook was set or cleared at `index`. If translated code contains that
   // instruction, all translated code is discarded.

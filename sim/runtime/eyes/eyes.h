@@ -82,19 +82,20 @@ class Eyes {
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
        Keep keep, std::uint64_t seed = 1);
 
-  // Exposes a pair if an exposure is due. Call this function at the end of each step. Exposure n is due at
-  // the time n / rate, rounded to a whole millisecond (the end of a step). The function calls `pose` only if
-  // an exposure is due. If an earlier rendering has failed, the function returns the error of that rendering.
+  // Exposes a pair if an exposure is due. Call this function at the end of each step. Exposure `n` is due at
+  // the simulated time `n / rate_hz`, rounded to a whole millisecond. The function calls `pose` only if an
+  // exposure is due. If an earlier rendering has failed, the function returns the error of that rendering.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
-  // Removes and returns the next pair that has reached the host by `now`. At most 8 pairs wait. If another
-  // pair arrives, the oldest waiting pair is dropped.
+  // Removes and returns the next pair that has reached the host by `now`. At most 8 exposed pairs wait for
+  // the host. If 8 pairs are waiting at the next exposure, the oldest waiting pair is dropped.
   std::optional<vision::StereoPair> next_pair(Time now);
   // Returns the number of pairs dropped because of FramePolicy::drop.
   std::uint64_t left_out() const { return left_out_; }
 
-  // Removes and returns the digests of all pairs except the pairs of the two latest exposures. If `all` is
-  // true, removes and returns the digests of all pairs. The function waits until all pairs with returned
-  // digests are rendered. Therefore the number of digests does not depend on the speed of rendering.
+  // Removes and returns digests of pairs. If `all` is true, returns the digests of all pairs. If `all` is
+  // false, the digests of the two most recent exposures remain for a later call. Before the function returns
+  // the digest of a pair, the function waits until this pair is rendered. Therefore the number of digests
+  // does not depend on the speed of rendering.
   std::vector<Digest> take_digests(bool all);
   // Waits until all pairs in progress are rendered. After this call, noise and jitter use the new seed.
   void reseed(std::uint64_t seed);

@@ -52,7 +52,7 @@ class RenderThread {
   RendererFactory factory_;
   Drawing drawing_;
   bool has_begun_ = false;
-  // After `thread_` has started, only this thread uses `renderer_`.
+  // After `thread_` has started, no other thread uses `renderer_`.
   Result<std::unique_ptr<Renderer>> renderer_ = nullptr;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -49,9 +49,9 @@ class LittleEndian {
   std::vector<std::uint8_t>& to_;
 };
 
-// Reads fields from the front of a buffer. If a field extends beyond the end of the buffer, this read and all
-// later reads return zero or an empty value. These reads consume no bytes. A loop over `rest()` must
-// therefore also check `good()`.
+// Reads fields from the front of a buffer. If a field extends beyond the end of the buffer, the read of this
+// field and all later reads fail. A failed read returns zero or an empty value. After a failed read, `rest()`
+// no longer changes. A loop over `rest()` must therefore also check `good()`.
 class LittleEndianFields {
  public:
   using Bytes = std::span<const std::uint8_t>;

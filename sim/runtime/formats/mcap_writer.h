@@ -21,7 +21,8 @@ struct evp_md_ctx_st;  // OpenSSL's digest context
 
 namespace kaz::sim {
 
-// Observes the written channels and messages. The functions are called in file order, on the writer's thread.
+// Observes the written channels and messages. McapWriter calls these functions in the order in which channels
+// and messages are added. Each call runs on the thread that adds the channel or the message.
 class MessageTap {
  public:
   virtual ~MessageTap() = default;
@@ -67,7 +68,7 @@ class McapWriter {
 
  private:
   struct Channel {
-    // Content of the channel record, written again in the summary.
+    // Content of the channel record. The summary contains a copy of this record.
     std::vector<std::uint8_t> record;
     std::uint32_t messages = 0;  // number of messages written so far
     // One pair for each message of this channel in the current chunk: time and offset of the message.
@@ -100,7 +101,7 @@ class McapWriter {
 
   std::string path_;  // empty: no file is written
   MessageTap* tap_ = nullptr;
-  std::vector<TappedSchema> tapped_;  // schemas for the tap, in the order of schemas_
+  std::vector<TappedSchema> tapped_;  // schemas for the tap, in the order of `schemas_`
   std::ofstream file_;
   int write_error_ = 0;    // errno of the first failed write
   std::uint64_t at_ = 0;   // bytes written

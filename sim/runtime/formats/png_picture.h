@@ -11,8 +11,9 @@
 
 namespace kaz::sim {
 
-// Encodes 8-bit RGB with low compression for speed. The same versions of libpng and zlib give the same bytes.
-// Fails if `image` is empty, or if the number of pixels does not match the width and the height.
+// Encodes 8-bit RGB with low compression for speed. For the same picture, the same versions of libpng and
+// zlib always produce the same bytes. Fails if `image` is empty, or if the number of pixels does not match
+// the width and the height.
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image);
 
 // Decodes a PNG. Fails if the bytes are not a PNG or are damaged, or if a side of the picture is longer than

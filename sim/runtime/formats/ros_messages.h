@@ -66,7 +66,7 @@ void pose(LittleEndian& to, const Eigen::Isometry3d& at);
 
 using NamedPose = std::pair<std::string, Eigen::Isometry3d>;  // pose in the frame `world`
 
-// Writes tf2_msgs/TFMessage to `data`. For all functions in this file that write to `data`, `data` must be
+// Writes tf2_msgs/TFMessage to `data`. If a function in this file has the parameter `data`, `data` must be
 // empty before the call.
 void transforms(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
                 std::span<const NamedPose> poses);
@@ -80,8 +80,8 @@ struct Marker {
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
   // Name of the texture (Visual::texture). The name is written to the message field `text`. ROS uses the
-  // field `text` only for text markers. All markers here have other types, so the field `text` can hold the
-  // name.
+  // field `text` only for text markers. Kaz creates no text markers, so the field `text` can hold the name of
+  // the texture.
   std::string texture;
   bool removes_all = false;
 };
@@ -90,12 +90,12 @@ struct Marker {
 void markers(std::vector<std::uint8_t>& data, std::uint64_t time_ns,
              std::span<const Marker> markers);
 
-// Returns markers for the visuals of the scene. The result contains no meshes, and no visuals of the frames
-// in the list `without`.
+// Returns markers for the visuals of the scene. Meshes get no markers. If a frame is in the list `without`,
+// the visuals of this frame get no markers.
 std::vector<Marker> markers_of(const Scene& scene, std::span<const std::string> without);
 
-// Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm long. An arrow has the direction of
-// the force on the first of the two bodies. The first marker removes the arrows of the previous message.
+// Returns contact forces above 0.05 N as arrows of 1 cm/N, at most 30 cm long. Each arrow has the direction
+// of the force on the body ContactPoint::a. The first marker removes the arrows of the previous message.
 std::vector<Marker> markers_of(std::span<const ContactPoint> contacts);
 
 // Writes sensor_msgs/CameraInfo of one camera of a rectified pair.

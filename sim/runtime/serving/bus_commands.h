@@ -1,5 +1,5 @@
-// Executes the commands that the control socket of `kaz sim --bus` receives: power, supply, damage, turn,
-// status.
+// Executes the commands that the control socket of `kaz sim --bus` receives: `power`, `supply`, `damage`,
+// `turn`, `status`.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the bit
-// rate that the host has set. As with a real adapter, a reply reaches the host when the wire becomes idle or
-// a USB packet is full. No byte of a reply arrives before the wire could have carried this byte.
+// rate that the host has set. Like a real USB adapter, the server first collects the bytes of a reply. When
+// the wire becomes idle, or when 64 bytes are collected, the server passes the bytes to the host. The host
+// gets each byte of a reply only after the end of this byte on the wire.
 #pragma once
 
 #include <atomic>

@@ -39,8 +39,8 @@ class ControlCommands {
     std::function<void(const faults::Fault& fault)> fault;
     std::function<void()> clear_faults;
     std::function<Time()> now;  // simulated time
-    // Executes the command `stand` of a motor stand. The argument is the rest of the line; the reply does not
-    // contain "ok". Without a motor stand, `stand` is null.
+    // Executes a command of the motor stand. `line` is the text after the word `stand`. The returned object
+    // does not contain "ok"; ControlCommands adds "ok". If the simulator has no motor stand, `stand` is null.
     std::function<Result<nlohmann::ordered_json>(const std::string& line)> stand = nullptr;
   };
   explicit ControlCommands(Handlers handlers) : handlers_(std::move(handlers)) {}

@@ -34,10 +34,11 @@ class ClockStream {
  public:
   // Parses bytes. Returns Fault::environment if a time is out of range or earlier than the previous time.
   Result<void> feed(std::span<const std::uint8_t> bytes);
-  // Returns the latest time; empty before the first time.
+  // Returns the latest time. Before a complete time has been parsed, the result is empty.
   std::optional<Time> latest() const { return latest_; }
   std::size_t part() const { return have_; }  // number of bytes of an incomplete message
-  // Prepares for another client, whose clock may have any value.
+  // Forgets the times and bytes of the previous client. The first clock time that the next client sends may
+  // have any value.
   void restart() { *this = {}; }
 
  private:
@@ -70,7 +71,8 @@ class FollowedClock {
 
   std::unique_ptr<UnixListener> listener_;
   Descriptor client_;
-  Clock::time_point heard_{};  // time of the connection or of the newest bytes
+  // Time at which the newest bytes arrived; before the first bytes, time of the connection.
+  Clock::time_point heard_{};
   ClockStream stream_;
   Time now_{};
 };

@@ -78,9 +78,10 @@ void HostWatch::drivers(Time now, bool enabled, const std::string& why) {
 void HostWatch::held(Time now) {
   held_ = true;
   char text[120];
-  std::snprintf(text, sizeof text,
-                "joints held at %.3f s by the link watchdog, %s after the host's last byte",
-                seconds(now), milliseconds(now - last_byte_).c_str());
+  std::snprintf(
+      text, sizeof text,
+      "at %.3f s, %s after the host's last byte, the link watchdog began to hold the joints",
+      seconds(now), milliseconds(now - last_byte_).c_str());
   say(text);
 }
 

@@ -33,7 +33,7 @@ class HostWatch {
   // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
   // Returns true if the host has been silent for at least shortest_watchdog, and held() has not been called
-  // during this silence. The link watchdog may then have expired.
+  // during this silence. If the result is true, the link watchdog may have expired.
   bool may_hold(Time now) const {
     return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
   }

@@ -50,9 +50,8 @@ TEST(HostWatch, ReportsHeldJointsOnceForEachSilence) {
   EXPECT_FALSE(heard.watch.may_hold(milliseconds(300)));
   heard.watch.bytes_came(milliseconds(400));
   EXPECT_TRUE(heard.watch.may_hold(milliseconds(490)));
-  EXPECT_EQ(heard.lines,
-            (std::vector<std::string>{
-                "joints held at 0.191 s by the link watchdog, 91 ms after the host's last byte"}));
+  EXPECT_EQ(heard.lines, (std::vector<std::string>{"at 0.191 s, 91 ms after the host's last byte, "
+                                                   "the link watchdog began to hold the joints"}));
 }
 
 TEST(HostWatch, ReportsSilenceOnce) {

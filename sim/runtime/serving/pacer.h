@@ -36,8 +36,9 @@ class Pacer {
   Time wall_of(Time simulated) const { return origin_ + simulated; }
   std::uint64_t overruns() const { return overruns_; }
   Time lost() const { return lost_; }
-  // Returns the lost time, including the loss in the step in progress. That loss is large if the process was
-  // stopped during the step and has just been continued.
+  // If the world is late by more than `tolerance` at the wall time `wall`, returns lost() plus the delay of
+  // the world. If the delay is at most `tolerance`, returns lost(). If the process was stopped during a step
+  // and has just been continued, the delay is large.
   Time lost_until(Time simulated, Time wall) const {
     const Time late = wall - wall_of(simulated);
     return late > tolerance_ ? lost_ + late : lost_;

@@ -19,9 +19,9 @@ namespace kaz::sim {
 class Pty {
  public:
   // Creates `link_path` as a symbolic link to the port. An existing link is replaced if the link's pty no
-  // longer exists. `maker_is_dead` states that a killed virtual board has left the link behind. A link to any
-  // pty is then replaced. Returns Fault::usage if any other link or file exists at the path. Returns
-  // Fault::environment if no pty is available.
+  // longer exists. If `maker_is_dead` is true, an existing link to any pty is also replaced. Set
+  // `maker_is_dead` only if the virtual board that created the link was killed. If any other link or file
+  // exists at the path, returns Fault::usage. Returns Fault::environment if no pty is available.
   static Result<std::unique_ptr<Pty>> open(const std::string& link_path,
                                            bool maker_is_dead = false);
   ~Pty();  // removes the link unless another process has replaced the link

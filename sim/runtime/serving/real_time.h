@@ -30,9 +30,9 @@ struct RealTimeOptions {
   bool keep_hung = false;
   // Handles the command `stand ...` on the control socket, for a motor stand (control_server.h).
   std::function<Result<nlohmann::ordered_json>(const std::string&)> stand;
-  // If `wants_pairs` returns true, `on_pair` receives each pair at the time of the pair's exposure. The
-  // function also receives pairs while the socket at cameras_path has no readers. When the function receives
-  // a pair, rendering of the pixels can still be in progress.
+  // If `wants_pairs` returns true, `on_pair` receives each pair at the time of the pair's exposure. `on_pair`
+  // also receives pairs while the socket at cameras_path has no readers. When `on_pair` receives a pair,
+  // rendering of the pixels can still be in progress.
   std::function<void(const vision::StereoPair&)> on_pair;
   std::function<bool()> wants_pairs;
   // Receives messages for the user, for example about the host, the motors, the power supply, or overruns.
@@ -43,7 +43,7 @@ struct RealTimeOptions {
 struct RealTimeStatistics {
   double simulated_s = 0;
   std::uint64_t overruns = 0;  // number of steps that ended more than 20 ms late
-  double lost_s = 0;           // total time by which the world fell behind the wall clock
+  double lost_s = 0;           // sum of the delays of the steps that ended more than 20 ms late
   double worst_late_s = 0;
   std::uint64_t pairs_dropped = 0;
 };

@@ -27,8 +27,8 @@ class UnixListener {
   // Returns the descriptor for poll(). During a pause after a failed accept(), returns -1, which poll()
   // ignores.
   int fd() const { return paused() ? -1 : socket_.get(); }
-  // Returns a timeout for poll(), in ms. During a pause, returns the length of the pause; otherwise -1
-  // (unlimited).
+  // Returns a timeout for poll(), in ms. During the pause after a failed accept(), the timeout is 100 ms. At
+  // all other times, the timeout is -1 (unlimited).
   int max_wait_ms() const;
   const std::string& path() const { return path_; }
 

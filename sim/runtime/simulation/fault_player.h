@@ -25,7 +25,7 @@ class FaultPlayer {
   void clear();
 
   // Applies faults of potentiometers and power. Call this function before the board runs the step that begins
-  // at `start`. Calls `begins` for each new fault.
+  // at `start`. Calls `begins` once for each fault, in the step that contains the start of the fault.
   void begin_step(Time start, ServoBoard& board,
                   const std::function<void(const faults::Fault&)>& begins);
   // Applies faults of joints and motors. `drives` are the motor drives of the step that begins at `start`.
@@ -43,8 +43,10 @@ class FaultPlayer {
 
   faults::Schedule schedule_;
   std::vector<bool> begun_;  // whether each fault was reported; same indices as the schedule
-  bool touched_ = false;  // the previous step may have applied a fault, which this step must remove
-  bool cut_ = false;      // true: a fault has switched the power off
+  // True: the schedule contained faults in the previous step. If the schedule is empty now, this step removes
+  // the effects of the earlier faults.
+  bool touched_ = false;
+  bool cut_ = false;  // true: a fault has switched the power off
 };
 
 }  // namespace kaz::sim

@@ -9,8 +9,8 @@
 //   `[for TIME] FAULT ...`: a fault that begins now (shared/faults/faults.h).
 //   `clear`: ends all faults.
 //
-// An action takes effect in the step in which HandSource::take() returns the action's line. Two runs that
-// take the same lines in the same steps are identical.
+// An action takes effect in the step in which HandSource::take() returns the action's line. If two runs have
+// the same options, and take() returns the same lines in the same steps, the runs are identical.
 #pragma once
 
 #include <span>
@@ -48,8 +48,8 @@ Result<HandAct> parse_hand(std::string_view line, Time now);
 class HandSource {
  public:
   virtual ~HandSource() = default;
-  // Returns the lines of all actions of the step that begins at the time `start`. Called once in each step,
-  // but only if the run is recorded or tapped.
+  // Returns the lines of all actions of the step that begins at the time `start`. The simulation calls take()
+  // once in each step in which the simulation writes messages to a recording file or to a RecordingTap.
   virtual std::vector<std::string> take(Time start) = 0;
   // Called for a line that had no effect.
   virtual void refused(const std::string& /*line*/, const Error& /*error*/) {}
@@ -57,8 +57,8 @@ class HandSource {
 
 class HandPlayer {
  public:
-  // Begins an action. Returns Fault::usage if the link or object is unknown, or if it cannot move. Also
-  // returns Fault::usage if the action releases an object that no hand holds.
+  // Begins an action. Returns Fault::usage if the link or object is unknown or cannot move. Also returns
+  // Fault::usage if the action releases an object that no hand holds.
   Result<void> begin(const HandAct& act, World& world, FaultPlayer& faults);
   // Pulls the held objects toward the hands. Call this function before each step of the world. An object
   // follows the hand like a mass on a critically damped spring. The hand supports the object's weight and
@@ -82,7 +82,7 @@ class HandPlayer {
     std::string object;
     // Target position and last position of the object, m, world frame.
     std::array<double, 3> to{}, last{};
-    bool moved = false;  // true: `last` is the position at the previous call of pull()
+    bool moved = false;  // false: pull() has not yet set `last`
     template <class A>
     void transfer(A& a) {
       a(object, to, last, moved);

@@ -13,7 +13,7 @@ namespace kaz::sim {
 struct RecordedMap {
   double cell_m = 0;
   int cells_x = 0, cells_y = 0;
-  Eigen::Vector2d corner{0, 0};  // corner of the first cell
+  Eigen::Vector2d corner{0, 0};  // smallest x and smallest y of the first cell
   // Obstacle probability of each cell, 0..100 %; -1: unknown. Cells with adjacent x are adjacent in the
   // vector.
   std::vector<std::int8_t> cells;

@@ -21,8 +21,8 @@ namespace {
 constexpr char wire_schema[] =
     "# Bytes whose last stop bit passed within one millisecond, which ends at the message's time.\n"
     "uint8[] value\n"
-    "uint16[] state  # time of the stop bit, crystal periods since the beginning of that "
-    "millisecond\n"
+    "uint16[] state  # time from 1 ms before the message's time to the byte's stop bit, in crystal "
+    "periods\n"
     "uint8[] framing_error\n";
 constexpr char pins_schema[] =
     "# High counts out of 256 of the PWM pins, levels of the ports without multiplexer selects.\n"
@@ -54,7 +54,7 @@ constexpr char link_forces_schema[] =
     "string link\n"
     "float64[3] force   # N\n"
     "float64[3] moment  # Nm, about the link's origin\n"
-    "float64[3] centre  # of pressure, in the link's frame, m\n"
+    "float64[3] centre  # center of pressure, in the link's frame, m\n"
     "float64 pressure   # sum of the normal forces, N\n";
 constexpr char joint_loads_schema[] =
     "# What each joint bears, from parent to child, by joint number, three numbers each: every\n"

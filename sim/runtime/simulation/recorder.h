@@ -48,12 +48,13 @@ class Recorder {
   // Records only the links that are in contact. `names` has the same indices as `links`.
   void link_forces(States at, std::span<const std::string> names, std::span<const LinkForce> links);
   void joint_loads(States at, std::span<const JointLoad, KZ_JOINTS> loads);
-  // Records the digests of a picture pair. Also records the pictures if `digest` contains the PNG pictures.
+  // Records the digests of a picture pair. If `digest.kept` contains the pictures in PNG format, also records
+  // the pictures.
   void eyes(const Eyes::Digest& digest);
   // Sets the calibration that is recorded with each picture.
   void camera(const vision::CameraModel& model) { camera_ = model; }
-  // Records data for viewers. description() records the robot's URDF. scene() records the objects of the
-  // world, but not the visuals of the frames in `robot_frames`.
+  // Records data for viewers. description() records the robot's URDF. scene() records all visuals of the
+  // scene except the visuals whose frame is in `robot_frames`.
   void description(States at, std::string_view urdf);
   void scene(States at, const Scene& scene, std::span<const std::string> robot_frames);
   void transforms(States at, std::span<const ros::NamedPose> poses);
@@ -67,8 +68,8 @@ class Recorder {
   // channel.
   void hand(States at, std::string_view line);
 
-  // Adds all channels that would otherwise be added with their first message. This function is for readers
-  // that need all schemas.
+  // Adds the channels of the robot, the host's map, the camera calibration and manual actions to the file.
+  // Call this function if a reader needs the schemas of these channels before their first messages.
   void add_all_channels();
 
   // Records that a signal, such as "SIGINT", interrupted the run.
@@ -96,7 +97,8 @@ class Recorder {
   std::vector<Line> lines_;
   std::uint16_t wire_bytes_, pins_, analog_, joints_, ball_, supply_, contacts_, link_forces_,
       joint_loads_, eyes_, left_eye_, right_eye_, behavior_, faults_;
-  // Each of these channels is added to the file when the channel's first message is recorded.
+  // Groups of channels. A group is empty until the first message of the group is recorded or
+  // add_all_channels() is called.
   std::optional<MapChannels> maps_;
   std::optional<std::uint16_t> hands_;
   std::optional<std::array<std::uint16_t, 2>> camera_infos_;

@@ -10,7 +10,7 @@ namespace kaz::sim {
 // Implementations must not change the run.
 class RecordingTap : public MessageTap {
  public:
-  // Called after the messages of a step, with the time at which the step ended.
+  // Called in each step after all messages of the step. The argument is the time at which the step ended.
   virtual void stepped(Time /*time*/) {}
 };
 

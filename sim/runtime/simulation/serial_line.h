@@ -31,8 +31,8 @@ class SerialLine {
   // Sets the host's bit time from now on. The board's bit time is part of each SerialByte from the board. If
   // the two bit times differ, the receiver samples the waveform at the receiver's own rate.
   void set_host_bit(States bit) { host_bit_ = bit; }
-  // Queues bytes that the host writes at `now`. The first byte starts at `now`. If the line is still busy
-  // with earlier bytes, the first byte starts after these bytes.
+  // Queues bytes that the host writes at `now`. If the line is free, the first byte starts at `now`. If the
+  // line is busy with earlier bytes, the first byte starts after the last of the earlier bytes.
   void write(std::span<const std::uint8_t> bytes, States now);
   // Like write(), but with a framing error in every byte.
   void write_garbled(std::span<const std::uint8_t> bytes, States now);

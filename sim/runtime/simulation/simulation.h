@@ -67,10 +67,11 @@ struct SimulationOptions {
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;     // fault times count from the start of the simulation
   std::string recording_path;  // empty: no recording
-  // Observer that receives each message of the recording. Without a recording file, the observer receives the
-  // same messages. Must outlive the simulation.
+  // Observer that receives each message of the recording. If the simulation writes no recording file, the
+  // observer receives the messages that a recording file would contain. Must outlive the simulation.
   RecordingTap* tap = nullptr;
-  // Source of manual actions, used in each step that is recorded or tapped. Must outlive the simulation.
+  // Source of manual actions. The simulation reads this source in each step in which messages are written to
+  // a recording file or to `tap`. Must outlive the simulation.
   HandSource* hands = nullptr;
   // True: the recording contains the eyes' pictures and the digests of the pictures. False: only the digests.
   bool record_pictures = false;
@@ -162,10 +163,11 @@ class Simulation {
   // early; the name is written to the recording. If `interrupted_by` is empty, no signal ended the run.
   Result<std::string> finish_recording(const std::string& interrupted_by = "");
 
-  // Returns the whole state: bodies, motors, chip, board, line, faults, eyes with pairs in flight, all random
-  // generators and time. The state does not contain the recording. A recording in progress continues after
-  // save(). save() waits for pictures that are being rendered. Fails if the simulation has failed, or if a
-  // part of the simulation, such as a test double, cannot be saved.
+  // Returns the whole state. The state contains the time, all random generators, and the states of bodies,
+  // motors, chip, board, serial line, faults and eyes. The state of the eyes includes the picture pairs that
+  // have not yet reached the host. The state does not contain the recording. A recording in progress
+  // continues after save(). save() waits for pictures that are being rendered. Fails if the simulation has
+  // failed, or if a part of the simulation, such as a test double, cannot be saved.
   Result<std::vector<std::uint8_t>> save();
   // Restores a saved state. This simulation then continues exactly like the saved simulation. Both
   // simulations must have the same options and the same build. `blob` may be damaged or hostile: indices,
@@ -182,9 +184,10 @@ class Simulation {
   // cloned.
   Result<Start> keep();
   // Continues from the state `start`. The random numbers and the constant sensor errors are determined by
-  // `seed`. The simulation that returned `start` must have the same options as this simulation, except seed
-  // and sensors. begin() takes microseconds; restore() takes milliseconds. Several simulations may begin from
-  // the same start concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
+  // `seed`. This simulation may differ from the simulation that returned `start` in the seed and in the
+  // sensor options. All other options must be equal in the two simulations. A call of begin() lasts
+  // microseconds, and a call of restore() lasts milliseconds. Several simulations may begin from the same
+  // start concurrently. Fails if a recording is in progress or `start` does not fit this simulation.
   Result<void> begin(const Start& start, std::uint64_t seed);
   // Saves the state, runs `steps` steps without recording, and restores the state. If save() saves the
   // complete state, a detour has no visible effect. Tests use detours to check save().

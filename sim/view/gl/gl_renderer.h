@@ -12,7 +12,7 @@ namespace kaz::sim {
 
 using ContextMaker = std::function<Result<std::unique_ptr<GlContext>>()>;
 
-// Sets all environment variables that influence Mesa's pictures to fixed values, for this process.
+// In this process, assigns fixed values to the environment variables on which Mesa's pictures depend.
 void fix_mesa_environment();
 
 // Makes a renderer. In the first call of render(), the renderer calls `make_context`.

@@ -30,9 +30,9 @@ struct GroundParts {
   std::vector<PictureRectangle> shaded, lit;
 };
 
-// Splits a picture into shaded and lit parts. GroundParts::shaded covers every sample of the ground that may
-// be in the shadow of a caster's bounding sphere. Each sphere is enlarged by `edge_m`, the width of a
-// shadow's edge, measured perpendicular to the light.
+// Splits a picture into shaded and lit parts. If the bounding sphere of a caster casts a shadow on a sample
+// of the ground, a rectangle of `GroundParts::shaded` contains the sample. Each sphere is enlarged by
+// `edge_m`, the width of a shadow's edge, measured perpendicular to the light.
 GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose, const View& view,
                             const GroundPlane& ground, double edge_m);
 

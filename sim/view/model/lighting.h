@@ -15,8 +15,8 @@
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
 // Textured surfaces have no highlight. For textured surfaces, c^2 is multiplied by the light of the texture.
-// All points of a textured triangle have the same n. The background in the unit direction r has the following
-// code, with u = clamp(r.z, 0, 1):
+// All points of a textured triangle have the same n. The next formula gives the color code of the background
+// in the unit direction r. In the formula, u is r.z, limited to 0..1:
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 
@@ -52,8 +52,9 @@ inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
                                                             {0.42F, 0.86F}}};
 inline constexpr float soft_texels = 3.0F;
 
-// Side lengths of the shadow maps in texels, including the ring of free texels. The eyes have a smaller map,
-// because the rendering of a picture pair must not take more than 4 ms.
+// Side lengths of the shadow maps in texels, including the ring of free texels. The rendering of a picture
+// pair for the eyes must not take more than 4 ms. Therefore the shadow map for the eyes is smaller than the
+// map for supersampled pictures.
 inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
 
 }  // namespace kaz::sim::lighting

@@ -34,7 +34,8 @@ Result<Mesh> make_mesh(const Shape& shape, Detail detail) {
                                                                                           : 2;
   for (int i = 0; i < numbers; ++i) {
     if (s[i] > 0 && s[i] < 1e4) continue;
-    return fail(Fault::usage, "its size must be positive and below 10 km: correct the file");
+    return fail(Fault::usage,
+                "each size of the shape must be positive and below 10 km: correct the file");
   }
   switch (shape.kind) {
     case Shape::Kind::box:

@@ -36,13 +36,14 @@ struct Mesh {
 // for the shadow map, and for pieces that are small in the picture.
 enum class Detail { fine, coarse };
 
-// Makes a box with the given side lengths (m). The edges of a fine box are beveled by min(2 mm, 12 % of the
-// shortest side), and are shaded as if the edges were round.
+// Makes a box with the given side lengths (m). With Detail::fine, the box gets beveled edges, which are
+// shaded as if the edges were round. At each edge, the bevel shortens both faces by 2 mm, or by 12 % of the
+// shortest side if this is less than 2 mm.
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
-// Makes a subdivided icosahedron with the same volume as the sphere. Therefore the mean radius of the mesh's
-// outline in a picture is about the radius of the sphere.
+// Makes a subdivided icosahedron. The mesh has the same volume as a sphere with the radius `radius`.
+// Therefore the outline of the mesh in a picture has a mean radius of about `radius`.
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
 // Makes a plane with normal +z, centered at the origin.
 Mesh plane_mesh(double length_x, double length_y);

@@ -25,10 +25,11 @@ struct ShadowView {
   Eigen::Matrix4d clip_from_world;
   Eigen::Matrix4d texture_from_world;  // maps points in the view to 0..1 in all three coordinates
 };
-// Fits the view to the shadow casters. `texels` is the length of the shadow map's side in texels. The
-// outermost ring of texels stays free. `to_key` is the direction to the key light. The bounds of the view
-// move in whole texels, so that shadow edges do not crawl if other objects move. If a caster is more than 1.5
-// m from the mean position of all casters, the caster's shadow may be missing or incomplete.
+// Fits the view to the shadow casters. `texels` is the side length of the shadow map in texels. The outermost
+// ring of texels stays free. `to_key` is the direction to the key light. The center of the view moves in
+// steps of whole texels. Therefore, if one object moves, the shadow edges of objects at rest do not flicker.
+// If a caster is more than 1.5 m from the mean position of all casters, the caster's shadow may be missing or
+// incomplete.
 ShadowView fit_shadow_view(std::span<const Piece> pieces, const ScenePose& pose, int texels,
                            const Eigen::Vector3d& to_key);
 

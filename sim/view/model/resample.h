@@ -8,9 +8,9 @@
 
 namespace kaz::sim {
 
-// Converts the width x height samples in `rgba` to (width / n) x (height / n) RGB pixels. The code of a pixel
-// is the rounded value of sqrt(mean of code^2) over n x n samples. Thus the pixel shows the mean light of the
-// samples (lighting.h).
+// Converts the width x height samples in `rgba` to (width / n) x (height / n) RGB pixels. For each pixel, the
+// function averages the squares of the color codes of n x n samples. The color code of the pixel is the
+// square root of this average, rounded. Thus the pixel shows the mean light of the samples (lighting.h).
 void pack_rgb(std::span<const std::uint8_t> rgba, int width, int height, int n,
               std::vector<std::uint8_t>& rgb);
 

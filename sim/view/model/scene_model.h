@@ -32,8 +32,8 @@ struct Piece {
   int texture = -1;     // index into SceneModel::textures; -1: no texture
   bool ground = false;  // true for planes; planes are drawn last and cast no shadow
   // Ranges of SceneModel::indices for the fine and the coarse meshes. The coarse meshes are used if the piece
-  // is small in the picture. The first `caster_count` indices of the coarse range belong to large visuals.
-  // These visuals are also drawn into the shadow map.
+  // is small in the picture. The first `caster_count` indices of the coarse range belong to the visuals that
+  // cast shadows. Only these `caster_count` indices are drawn into the shadow map.
   std::uint32_t fine_first = 0, fine_count = 0;
   std::uint32_t coarse_first = 0, coarse_count = 0, caster_count = 0;
   // Bounding sphere, in the frame of the piece.
@@ -41,8 +41,8 @@ struct Piece {
   double radius = 0;
   // Bounding sphere of each visual that casts a shadow, in the frame of the piece.
   std::vector<BoundingSphere> casters;
-  // True if the piece is a ground in one plane. In the frame of the piece, `normal` is the normal of this
-  // plane, and `distance` is the distance of this plane from the origin.
+  // True if the piece is a ground and all its points lie in one plane. In the frame of the piece, `normal` is
+  // the normal of this plane, and `distance` is the distance of this plane from the origin.
   bool flat = false;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double distance = 0;

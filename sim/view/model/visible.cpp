@@ -18,18 +18,20 @@ constexpr double kSmall = 14;  // samples; pieces of a smaller radius use the co
 
 Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& view) {
   if (pose.frames.size() != frames) {
-    return fail(Fault::usage, "a pose of " + std::to_string(pose.frames.size()) +
-                                  " frames does not fit a scene of " + std::to_string(frames));
+    return fail(Fault::usage, "the pose has " + std::to_string(pose.frames.size()) +
+                                  " frames, but the scene has " + std::to_string(frames) +
+                                  " frames");
   }
   const Pinhole& c = view.camera;
   const int n = view.samples_per_axis;
   if (n < 1 || n > 4 || c.width < 1 || c.height < 1 || c.width > kLargestSide / n ||
       c.height > kLargestSide / n) {
-    return fail(Fault::usage,
-                "a picture of " + std::to_string(c.width) + " x " + std::to_string(c.height) +
-                    " with " + std::to_string(n) +
-                    " samples per axis cannot be drawn: sides times samples must be 1 to " +
-                    std::to_string(kLargestSide) + ", and samples 1 to 4");
+    return fail(Fault::usage, "a picture of " + std::to_string(c.width) + " x " +
+                                  std::to_string(c.height) + " with " + std::to_string(n) +
+                                  " samples per axis cannot be drawn: a pixel must have 1 to 4 "
+                                  "samples per axis, and each row and each column of the "
+                                  "picture must have 1 to " +
+                                  std::to_string(kLargestSide) + " samples");
   }
   if (const auto& part = view.part;
       part && !(0 <= part->left && part->left < part->right && part->right <= c.width &&

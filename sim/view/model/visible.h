@@ -25,8 +25,8 @@ struct VisiblePiece {
 };
 
 // Returns the pieces whose bounding spheres reach into the view. The order is: first untextured pieces, then
-// textured pieces, then grounds. Each group is ordered from near to far. With this order, most hidden
-// surfaces are drawn after the surfaces in front, which saves time.
+// textured pieces, then grounds. Each group is ordered from near to far. This order saves time, because most
+// hidden surfaces are drawn after the surfaces that hide them.
 std::vector<VisiblePiece> visible_pieces(const SceneModel& model, const ScenePose& pose,
                                          const View& view);
 

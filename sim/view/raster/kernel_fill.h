@@ -20,10 +20,11 @@ static inline std::int32_t first_centre(std::int32_t at) {  // ceil(at / kSubpix
 }
 static_assert(kSubpixel == 1 << 8);
 
-// Computes for each row the column of the first sample center that is on the edge or to the right of the
-// edge. The edge goes through the point (x0, y0) and has the direction (dx, dy). In the row with the number
-// `row`, the edge has this x coordinate: `x = x0 + dx * (kSubpixel * row - y0) / dy`. The column is
-// `ceil(x / kSubpixel)`. The calculation is exact, in integers.
+// Computes where an edge of a triangle crosses the rows of the picture. For each row, column() returns the
+// column of the leftmost sample center that is on the edge or to the right of the edge. The edge goes through
+// the point (x0, y0) and has the direction (dx, dy). In the row with the number `row`, the edge has this x
+// coordinate: `x = x0 + dx * (kSubpixel * row - y0) / dy`. The column is `ceil(x / kSubpixel)`. The
+// calculation is exact, in integers.
 class Edge {
  public:
   Edge(const Outline& t, int from, int to, std::int64_t row) {
@@ -205,8 +206,8 @@ static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<doub
     if (ha >= 0) to.corners[static_cast<std::size_t>(to.count++)] = a;
     if ((ha >= 0) == (hb >= 0)) continue;
     ClipCorner& cut = to.corners[static_cast<std::size_t>(to.count++)];
-    // Always interpolates from the inner to the outer corner. Therefore two triangles with a common edge get
-    // exactly the same point.
+    // The interpolation always goes from the inner to the outer corner. Therefore, if a plane cuts an edge
+    // that two triangles share, both triangles get exactly the same cut point.
     const ClipCorner &in = ha >= 0 ? a : b, &out = ha >= 0 ? b : a;
     const double share = height(in) / (height(in) - height(out));
     for (std::size_t k = 0; k < 3; ++k) {

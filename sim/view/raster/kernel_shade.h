@@ -71,8 +71,8 @@ struct Row {
   int number;
   const float* w;  // 1 / z of each sample
   Along ray, shadow;
-  // The squared length of a ray is a sum. This summand is the same for all samples of the row:
-  // `1 + (by * y + b0)^2`.
+  // The squared length of the ray to a sample is the sum of `b2` and a term that depends on the column. All
+  // samples of the row have the same `b2`: `b2 = 1 + (by * y + b0)^2`.
   float b2;
 };
 
@@ -269,12 +269,13 @@ struct TextureRow {
   float x0;
   // From one column to the next column, w changes to `w'`. The change of u is this fraction:
   // `(by_u * w - by_w * u * w) / (w * w')`. The numerator of this fraction is the same at all columns of a
-  // row. The change of v is a similar fraction. In the upper row of the block, across_u is the numerator for
-  // u, and across_v is the numerator for v.
+  // row. The change of v is the fraction with `v` and `by_v` instead of `u` and `by_u`. In the upper row of
+  // the block, `across_u` is the numerator of the change of u, and `across_v` is the numerator of the change
+  // of v.
   float across_u, across_v;
-  // From the upper row of the block to the lower row, the changes of u and v are fractions of the same form.
-  // The numerator for u is down_u, and the numerator for v is down_v. These numerators depend on the column
-  // x: `at + by_x * (x - x0)`.
+  // From the upper to the lower row of the block, the changes of u and v are fractions, too. `down_u` is the
+  // numerator of the change of u, and `down_v` is the numerator of the change of v. `down_u` and `down_v`
+  // depend on the column x: `at + by_x * (x - x0)`.
   Slope down_u, down_v;
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;
@@ -307,8 +308,9 @@ KAZ_LANES_INLINE TextureRow texture_row(const Primitive& p, const Row& row) {
 }
 
 // Each sample has two neighbors: the next sample in the row and the next sample in the column. The function
-// computes the distances to both neighbors on the texture, in texels of level 0. Returns the square of the
-// larger distance. The samples of a 2 x 2 block have the same result.
+// computes how far the texture coordinates of each neighbor are from the texture coordinates of the sample,
+// in texels of level 0. Returns the square of the larger distance. The samples of a 2 x 2 block have the same
+// result.
 KAZ_LANES_INLINE Floats texels_a_sample(const TextureRow& t, int at, float side) {
   const Floats dx = to_float((lane_numbers() + at) & ~1) - t.x0;
   const Floats w00 = t.w_upper + t.by_w * dx, w10 = t.w_upper + t.by_w * (dx + 1.0F);
@@ -330,10 +332,11 @@ KAZ_LANES_INLINE Ints nearest_level(Floats texels2, int last) {
   return larger_int(smaller_int(level, splat_int(last)), splat_int(0));
 }
 
-// Samples the texture at the nearest mip level. If `soft` is true, interpolates linearly between two mip
-// levels. The two methods are OpenGL's LINEAR_MIPMAP_NEAREST and LINEAR_MIPMAP_LINEAR as llvmpipe computes
-// them. In llvmpipe, LINEAR_MIPMAP_LINEAR mixes two levels only in the middle half of the interval between
-// these levels.
+// If `soft` is false, samples the texture at the nearest mip level, like OpenGL's LINEAR_MIPMAP_NEAREST in
+// llvmpipe. If `soft` is true, interpolates linearly between two mip levels, like OpenGL's
+// LINEAR_MIPMAP_LINEAR in llvmpipe. In llvmpipe, LINEAR_MIPMAP_LINEAR mixes two levels only if the fractional
+// part of the computed level is between 0.25 and 0.75. Otherwise LINEAR_MIPMAP_LINEAR uses only the nearest
+// level.
 KAZ_LANES_INLINE Pattern pattern(const TextureLevels& t, Floats u, Floats v, Floats texels2,
                                  bool soft) {
   if (!soft) return texel_at(t, u, v, nearest_level(texels2, t.last));
@@ -395,7 +398,8 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
   for (int at = first; at < end; at += kLanes) {
     const Floats x = column_numbers(at), dx = x - t.x0;
     const Floats w = t.plane.at[2] + t.plane.by[2] * dx;
-    // Divisions are slow. Therefore 1 / w and 1 / sum are both computed from one division, 1 / (w * sum).
+    // Divisions are slow. Therefore the code divides only once: `both = 1 / (w * sum)`. Then `both * sum` is
+    // `1 / w`, and `both * w` is `1 / sum`.
     const Floats q = ray_square(row, x), near = lighting::haze_m2 * square(w), sum = q + near;
     const Floats both = 1.0F / (w * sum), z = both * sum, share = both * w;
     const Floats u = (t.plane.at[0] + t.plane.by[0] * dx) * z;
@@ -460,7 +464,8 @@ static inline void shade_textured_run(const Row& row, const Primitive& p, int fi
   }
 }
 
-// Returns the first column after `x` that belongs to another primitive, at most `right`.
+// Returns the first column after `x` that belongs to another primitive. Returns `right` if the columns up to
+// `right - 1` all belong to the same primitive.
 static inline int run_end(const std::uint32_t* owner, int x, int right) {
   const Ints mine = splat_int(static_cast<std::int32_t>(owner[x]));
   for (; x < right; x += kLanes) {

@@ -47,8 +47,8 @@ static inline void project(Vertices& v, VertexRange range, const Projection& p) 
     outside |= ((px < 0.0F) & out_left) | ((px > p.width) & out_right);
     outside |= ((py < 0.0F) & out_top) | ((py > p.height) & out_bottom);
     outside |= ((cx != px) | (cy != py)) & out_of_range;
-    // The projection of a point behind the eye is mirrored, so the bits for left, right, top and bottom would
-    // be wrong. A point behind the eye therefore gets only the bit out_near.
+    // If a point is nearer than `p.near` or behind the eye, `px` and `py` are not its true position in the
+    // picture. Therefore such a point gets only the bit out_near.
     outside = behind ? splat_int(out_near) : outside;
     store(&v.px[i], snap(cx));
     store(&v.py[i], snap(cy));

@@ -38,7 +38,8 @@ struct Vertices {
 // Bits of Vertices::outside. Each bit means that the vertex is beyond one plane of the view frustum.
 inline constexpr std::int32_t out_left = 1, out_right = 2, out_top = 4, out_bottom = 8;
 inline constexpr std::int32_t out_near = 16, out_far = 32;
-inline constexpr std::int32_t out_of_range = 64;  // too far from the picture for fixed point
+// The magnitude of a coordinate in the picture is above kRange.
+inline constexpr std::int32_t out_of_range = 64;
 inline constexpr std::int32_t kMustClip = out_near | out_far | out_of_range;
 inline constexpr int kRange = 1 << 14;  // largest magnitude of a fixed-point coordinate, in samples
 
@@ -72,8 +73,9 @@ struct Primitive {
   // Untextured triangles: the three components of the normal, each multiplied by w. Textured triangles:
   // slopes[0] is u * w, and slopes[1] is v * w.
   std::array<Slope, 3> slopes;
-  // For a textured triangle, `shaded` is the light in shadow, and `key` is the additional light from the key
-  // light. For other triangles, `shaded` is the tint, and `key` is unused.
+  // For a textured triangle, `shaded` is the light that the triangle reflects in shadow. Outside shadows, the
+  // triangle also reflects `key`, the light from the key light. For an untextured triangle, `shaded` is the
+  // tint, and `key` is unused.
   std::array<float, 3> shaded, key;
 };
 
@@ -124,15 +126,14 @@ using Three = std::array<float, 3>;
 struct Shading {
   std::vector<Surface> surfaces;
   std::vector<TextureLevels> textures;
-  // The ray to the sample (x, y) is ray0 + ray_x x + ray_y y in the world frame. In the optical frame,
-  // the ray has the z coordinate 1. The squared length of the ray is
-  // `1 + (ax * x + a0)^2 + (by * y + b0)^2`.
+  // In the world frame, the ray to the sample (x, y) is `ray0 + ray_x * x + ray_y * y`. In the optical frame,
+  // the ray has the z coordinate 1. The squared length of the ray is `1 + (ax * x + a0)^2 + (by * y + b0)^2`.
   Three ray0, ray_x, ray_y;
   float ax, a0, by, b0;
   Three to_key;
   float key_gain, shaded_gain;
   // Shadow map coordinates (texels, texels, depth 0..65535). `shadow_eye` contains the coordinates of the
-  // eye. In shadow map coordinates, the ray to the sample (x, y) is shadow0 + shadow_x x + shadow_y y.
+  // eye. In shadow map coordinates, the ray to the sample (x, y) is `shadow0 + shadow_x * x + shadow_y * y`.
   Three shadow_eye, shadow0, shadow_x, shadow_y;
   const ShadowTexels* shadow = nullptr;
   bool soft = false;      // true: soft shadows, and linear interpolation between mip levels

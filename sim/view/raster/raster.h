@@ -10,7 +10,7 @@
 
 namespace kaz::sim {
 
-// Makes the rasterizer for an instruction set. The set must be available.
+// Makes the rasterizer for an instruction set. The function is_available() must return true for `set`.
 std::unique_ptr<Renderer> make_raster_with(InstructionSet set);
 
 }  // namespace kaz::sim

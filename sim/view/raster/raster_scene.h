@@ -26,7 +26,8 @@ struct RasterScene {
   std::vector<TextureLevels> textures;
 
  private:
-  // Copies the vertices of a range of indices. Returns the range of the copies in `vertices`.
+  // Copies the vertices of a mesh to the end of `vertices`. `first` and `count` select the mesh's part of
+  // `model.indices`. Returns the range of the copies in `vertices`.
   VertexRange add(std::uint32_t first, std::uint32_t count, float repeats_per_m);
 };
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // kernels_plain.cpp, kernels_avx2.cpp and kernels_avx512.cpp include this file. Each of these files defines
-// KAZ_RASTER_SET (the namespace) and KAZ_RASTER_LANES for one instruction set. All operations are single IEEE
-// operations, correctly rounded, so all sets compute the same bits. Vectors stay inside the functions of a
-// set and are never passed to other code.
+// KAZ_RASTER_SET (the namespace) and KAZ_RASTER_LANES for one instruction set. Each floating-point
+// operation on a vector is one correctly rounded IEEE operation. Therefore all instruction sets compute the
+// same bits. Functions in the namespace KAZ_RASTER_SET never pass vectors to code outside this namespace.
 #pragma once
 
 #include <cstdint>
@@ -184,7 +184,8 @@ KAZ_LANES_INLINE Floats root(Floats x) {
 KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
 }
-// Uses eight loads instead of the gather instruction, for the same reason as the version for AVX-512.
+// Uses eight loads instead of AVX2's gather instruction. The comment on the AVX-512 version of this function
+// gives the reasons.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[8];
   store(at, index);

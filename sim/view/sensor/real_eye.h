@@ -23,8 +23,9 @@ class RealEye {
   // Returns the view for take(). `world_from_eye` is the pose (m) of the eye's mounting in the world frame;
   // the mounting has the axes of an optical frame.
   View view(const Eigen::Isometry3d& world_from_eye) const;
-  // Takes a picture. `exposure` is the number of the exposure. `view` is the result of view(); the caller
-  // sets the light of the world in `view`. Returns the errors of Renderer::render().
+  // Takes a picture. The sequence number `exposure` selects the noise of the picture. `view` is the result of
+  // view(). Before the call, the caller sets `view.light` to the light of the world. Returns the errors of
+  // Renderer::render().
   Result<void> take(Renderer& renderer, const ScenePose& pose, const View& view,
                     std::uint64_t exposure, vision::Image& rectified);
 

@@ -4,7 +4,7 @@
 //
 // The model includes lens distortion (Brown-Conrady, as in OpenCV), vignetting, exposure, shot noise, read
 // noise and 8-bit codes. The model does not include motion blur, interlacing, color mosaic or blooming.
-// Rolling shutter is not modeled because the cameras in the paper expose all rows of a field at once.
+// Rolling shutter is not modeled, because the robot's cameras expose all rows of a field at once.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct EyeModel {
   // Horizontal angle of view of the rectified pictures: 80 degrees.
   double rectified_view_rad = 1.3962634015954636;
   // Horizontal angle of view of the lens, measured along the middle row of the picture. This angle is larger
-  // than the angle of the rectified pictures. Therefore rectified pictures have no empty margin if the
-  // principal point or the direction of a camera deviates.
+  // than the angle of the rectified pictures. Therefore rectified pictures have no empty margin, even if the
+  // principal point or the direction of a camera deviates from its nominal value.
   double lens_view_rad = 1.4922565104551517;                // 85.5 degrees
   std::array<double, 5> distortion{-0.15, 0.022, 0, 0, 0};  // k1 k2 p1 p2 k3
   // Fraction of the light that is lost in the corners of the picture. The loss is proportional to the squared
@@ -35,7 +35,7 @@ struct EyeModel {
   // Standard deviations of the parameters over the production series.
   double focal_spread = 0.004;        // relative to the focal length
   double centre_spread = 0.004;       // principal point, relative to the picture's width
-  double distortion_spread = 0.03;    // k1 and k2, relative to their values
+  double distortion_spread = 0.03;    // k1 and k2, relative to their nominal values
   double tangential_spread = 0.0003;  // p1 and p2: tilt of the lens relative to the sensor
   // Rotation of the camera about each axis; 0.004 rad = 0.23 degrees.
   double direction_spread_rad = 0.004;
@@ -58,8 +58,8 @@ class Sensor {
   void set_noise_seed(std::uint64_t seed);
 
   // Returns the pinhole camera whose picture expose() needs. This picture covers the full view of the lens.
-  // The angular resolution of this picture is 0.92 times the resolution of the rectified picture. The loss of
-  // resolution is less than the blur of a wide conversion lens.
+  // This picture has 0.92 times as many pixels per radian as the rectified picture. The blur caused by the
+  // lower resolution is smaller than the blur caused by a wide conversion lens.
   const Pinhole& ideal() const { return ideal_; }
   // Returns the rotation from the optical frame of ideal() to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;

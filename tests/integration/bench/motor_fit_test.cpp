@@ -120,8 +120,8 @@ TEST(MotorFit, SaysWhyAReportIsOfNoUse) {
   report.conditions.clear();
   EXPECT_EQ(
       error(report),
-      "the report does not contain disc and supply; a fit needs a report made with a motor stand "
-      "(--stand)");
+      "the report lacks the disc's inertia or the supply voltage; a fit needs a report made with "
+      "a motor stand (--stand)");
 }
 
 }  // namespace

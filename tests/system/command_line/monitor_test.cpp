@@ -204,7 +204,7 @@ TEST(Monitor, NamesNotesOfAnEarlierRun) {
   for (const std::string& word : kaz({"monitor", "--port", folder / "board"}))
     command += word + " ";
   Screen screen(command);
-  screen.wait("an interrupted run left notes: press q to print what to do");
+  screen.wait("an interrupted run left notes: press q to quit and print the notes");
   screen.press({"q"});
   screen.wait("kaz monitor: the notes of a run[^]*left with 0");
 }

@@ -35,7 +35,7 @@ LOSSES = [
          lambda guest: guest.run("kill -USR1 $(cat /mnt/eyes.pid)"), 2.6, 1, board=False),
 ]
 # What the simulator prints when the board's link watchdog has expired.
-REACTIONS = {"hold": r"joints held at .*? (\d+) ms after the host's last byte",
+REACTIONS = {"hold": r"(\d+) ms after the host's last byte, the link watchdog began to hold",
              "limp": r"motors off at .*? no request came for too long, (\d+) ms after the host's last byte"}
 
 

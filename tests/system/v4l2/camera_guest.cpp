@@ -282,8 +282,8 @@ TEST_F(Cameras, ReportsWhyACameraCannotBeOpened) {
   expect_in(refusal({"/dev/video3", kRight, 10, {}}),
             "/dev/video3: this node of vivid delivers no");
   expect_in(refusal({kLeft, kRight, 10, {}}, 333, 222),
-            "the camera has no picture size 333 x 222, the calibration's size; the camera offers "
-            "320 x 180, 640 x 360, 640 x 480,");
+            "the calibration is for pictures of 333 x 222, but the camera does not offer this "
+            "size; the camera offers 320 x 180, 640 x 360, 640 x 480,");
   expect_in(refusal({kLeft, kRight, 10, PixelFormat::mjpeg}), "; mjpeg was requested");
   {
     Vivid other(kRight);

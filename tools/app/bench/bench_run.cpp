@@ -238,8 +238,9 @@ Result<void> leave_reports(const BenchFolder& folder, const hil::BenchReport& re
 Result<nlohmann::ordered_json> leave_fit(const BenchFolder& folder, const lockstep::MotorFit& fit,
                                          const std::string& path, const hil::BenchReport& report) {
   const hil::Provenance from = provenance();
-  const std::string about = "Fitted " + from.date + " by kaz " + from.kaz + " to " + path + ", " +
-                            report.board + " on " + report.port + ".";
+  const std::string about = "Fitted " + from.date + " by kaz " + from.kaz +
+                            ". Measurements: " + path + ". Board: " + report.board +
+                            ". Port: " + report.port + ".";
   KAZ_TRY(folder.reports.write("motor.xml", sim::motor_file_text(fit.motor, about)));
   KAZ_TRY(folder.reports.write("report.html", fit_html(fit, path, from)));
   KAZ_TRY(leave_plots(folder, fit.plots));
@@ -268,10 +269,11 @@ Result<void> check_motion(const BenchOptions& arguments) {
   if (!arguments.motor || arguments.target.port.empty() || !arguments.target.stand.empty() ||
       arguments.allow_motion)
     return {};
-  return fail(Fault::usage,
-              "the bench drives " + arguments.joints +
-                  " at full speed through its range: give --stand if the motor is on a stand, or "
-                  "--allow-motion if the joint is free to move and you stand by");
+  return fail(
+      Fault::usage,
+      "the bench moves each joint of --joint " + arguments.joints +
+          " at full speed through its range: if the motor is on a motor stand, give --stand; "
+          "if the joint is free to move and you watch it, give --allow-motion");
 }
 
 Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) {
@@ -423,10 +425,10 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   const auto text = KAZ_TRY(read_file(path));
   const auto report = KAZ_TRY(hil::parse_bench_json(text, path));
   if (std::filesystem::equivalent(arguments.model.motor_file, arguments.out + "/motor.xml", none))
-    return fail(Fault::usage,
-                "--out: '" + arguments.out +
-                    "' contains the file of --motor-file, which the fit would overwrite; give "
-                    "another folder");
+    return fail(
+        Fault::usage,
+        "--out: the fit writes '" + arguments.out +
+            "/motor.xml', but --motor-file names the same file; give another folder for --out");
   auto options = KAZ_TRY(fit_options(arguments));
   Progress progress("kaz bench fit", arguments.json);
   options.progress = [&](double share, const std::string& what) { progress.update(share, what); };

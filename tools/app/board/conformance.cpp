@@ -234,9 +234,10 @@ Result<hil::RunReport> run_bus(ConformanceOptions& arguments, hil::ReportFacts& 
   run.lateness = &meter;
   run.progress = arguments.run.progress;
   // A second Ctrl-C ends the program at once.
-  leaves_behind("registers of servo " + std::to_string(arguments.id) + " on " + port.name() +
-                " may still have values from a case: switch its supply off and on" +
-                (arguments.allow_eeprom ? ", and compare its EEPROM" : ""));
+  leaves_behind("a conformance case may have left changed values in the registers of servo " +
+                std::to_string(arguments.id) + " on " + port.name() +
+                ": switch the servo's supply off and on" +
+                (arguments.allow_eeprom ? ", and check the values in the servo's EEPROM" : ""));
   auto report = hil::run_bus_suite(meter, meter, run);
   leaves_behind("");
   return report;
@@ -257,9 +258,9 @@ Result<std::vector<const hil::Case*>> taken_by(const ConformanceOptions& argumen
   }
   if (!some_can_run && !arguments.list)
     return fail(Fault::usage,
-                "--filter " + arguments.run.filter +
-                    " matches no case that can run here: " + hil::missing_servo_text(missing) +
-                    "; `kaz conformance --bus PROTOCOL --list` lists others");
+                "no case that --filter " + arguments.run.filter +
+                    " selects can run here (reason: " + hil::missing_servo_text(missing) +
+                    "); `kaz conformance --bus PROTOCOL --list` lists all cases of the protocol");
   return taken;
 }
 
@@ -271,9 +272,9 @@ Result<void> check_needs(const std::vector<const hil::Case*>& taken, unsigned al
     if ((one->needs & ~allowed) == 0) return {};
     missing |= one->needs & ~allowed;
   }
-  return fail(Fault::usage, "--filter " + filter + " matches no case that can run here: each " +
-                                hil::missing_text(missing) +
-                                "; `kaz conformance --list` lists others");
+  return fail(Fault::usage, "no case that --filter " + filter +
+                                " selects can run here (reason: " + hil::missing_text(missing) +
+                                "); `kaz conformance --list` lists all cases");
 }
 
 // 3 where cases are undecided: neither the board nor its protocol is to blame.

@@ -232,8 +232,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   }
   if (all.empty() && late)
     return fail(Fault::environment, "no servo answers on " + address.name() +
-                                        ", but this machine was late (" + excuse + "); " +
-                                        kScanAgain);
+                                        ", but it is undecided whether a servo is there, because " +
+                                        excuse + "; " + kScanAgain);
   if (all.empty()) {
     std::printf(
         "no servo answers on %s: check its supply and the plug next to the adapter, and end other "

@@ -273,12 +273,13 @@ class Measurer {
       Measure& lag = measures_.back();
       lag.a = lag.b = {};
       lag.left_out =
-          "the joint moved too slowly or too little: half of the gear's play can shift the lag "
-          "by " +
+          "the joint moved too slowly or too little to determine the lag: "
+          "half of the gear's play can shift the lag by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");
     }
-    add_of("offset", "deg", "mean of angle minus command", 0.2, 1 / kDegree, &Following::offset);
+    add_of("offset", "deg", "mean difference: joint angle minus command", 0.2, 1 / kDegree,
+           &Following::offset);
     add_of("scatter", "deg",
            "root mean square of the error that remains after lag and offset are removed", 0.1,
            1 / kDegree, &Following::rest);
@@ -453,10 +454,10 @@ std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double s
   const bool at_once = same_s < 0.05;  // what would be printed as 0.0 s
   if (!begin.empty()) notes.push_back(begin + "; angles may differ for this reason");
   if (same_s < shorter && (begin.empty() || !at_once))
-    notes.push_back((at_once ? std::string("the host sent different targets from the beginning")
-                             : "the host sent the same targets, within 1 degree, until " +
-                                   seconds_text(same_s)) +
-                    "; angles may differ for this reason, too");
+    notes.push_back((at_once ? std::string("the targets of A and B differ from the beginning")
+                             : "the targets of A and B agree within 1 degree until " +
+                                   seconds_text(same_s) + " and then differ") +
+                    "; different targets can cause different angles");
   for (const auto& [run, letter] : {std::pair{&a, "A"}, std::pair{&b, "B"}}) {
     if (!run->early_end.empty()) notes.push_back(std::string(letter) + ": " + run->early_end);
     for (const std::string& reason : run->shutdowns)

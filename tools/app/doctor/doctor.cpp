@@ -110,11 +110,12 @@ void examine_port(const MachineFiles& files, const std::string& name, Findings& 
   const auto latency = files.line(timer);
   const auto latency_ms = latency ? parse_number<int>(*latency) : std::nullopt;
   if (latency_ms && *latency_ms > 1)
-    findings.push_back(
-        {Level::note, "serial", device,
-         "the adapter delays received bytes by up to " + std::to_string(*latency_ms) +
-             " ms; kaz sets this delay to 1 ms while kaz uses the port, but other programs may not",
-         "echo 1 | sudo tee " + timer});
+    findings.push_back({Level::note, "serial", device,
+                        "the adapter delays received bytes by up to " +
+                            std::to_string(*latency_ms) +
+                            " ms; kaz sets this delay to 1 ms while kaz uses the port; other "
+                            "programs may leave the delay unchanged",
+                        "echo 1 | sudo tee " + timer});
 }
 
 void examine_ports(const MachineFiles& files, Findings& findings) {

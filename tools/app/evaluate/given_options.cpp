@@ -66,7 +66,9 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
   const Interval& props = options.variation.props;
   if (props.min != std::floor(props.min) || props.max != std::floor(props.max))
-    return fail(Fault::usage, "--props must be whole numbers, for example --props 3 10");
+    return fail(
+        Fault::usage,
+        "the minimum and the maximum of --props must be whole numbers, for example --props 3 10");
   for (const std::string& option : given) {
     if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
       return fail(Fault::usage,

@@ -52,7 +52,8 @@ Result<bool> run_on_hosts(const CampaignOptions& options, const HostsOptions& ho
   const InterruptSignals signals(interrupt);
   std::error_code wrong;
   const std::string file = fs::absolute(hosts.hosts, wrong).lexically_normal().string();
-  if (const auto text = read_whole_file(hosts.hosts, 1 << 20, "give a file of hosts"); !text)
+  if (const auto text = read_whole_file(hosts.hosts, 1 << 20, "give a file that lists the hosts");
+      !text)
     return tl::unexpected(text.error());
   const std::string out = fs::absolute(options.out, wrong).lexically_normal().string();
   const std::string program = fs::read_symlink("/proc/self/exe", wrong).string();

@@ -219,7 +219,9 @@ Result<DrawnFigure> draw_catch(const RunCollector& run) {
   constexpr int kHeight_px = 190;
   const std::vector<MomentPictures>& moments = run.moments();
   if (moments.empty())
-    return fail(Fault::failed, "figure 8: no picture was taken of search, tracking or catch");
+    return fail(
+        Fault::failed,
+        "figure 8: no picture was taken while the robot searched, tracked or caught the ball");
   std::vector<figure::Panel> above, below;
   Json shown = Json::array();
   for (const MomentPictures& moment : moments) {

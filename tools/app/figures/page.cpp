@@ -22,7 +22,8 @@ constexpr PaperFigure kPaperFigures[] = {
     {3, "Simulation environment for vision based behavior",
      "A red ball falls in front of the robot. The panels show the simulator and its view, color "
      "extraction, depth by block matching, and optical flow.",
-     "All views show the frame with the largest motion of the ball; downward motion counts twice. "
+     "All views show the frame with the largest motion of the ball since the previous frame. "
+     "For this choice, downward motion has twice the weight of motion in other directions. "
      "Frames without ball, depth or flow are not used. The outside view shows the robot at the "
      "exposure."},
     {5, "Experimental setup: task of the robot is to approach the ball and catch it",
@@ -44,8 +45,8 @@ constexpr PaperFigure kPaperFigures[] = {
     {8, "Vision based behavior program in simulation world and real world",
      "The behaviors search-ball, track-ball and catch-ball, in the simulation and on the real "
      "robot.",
-     "The simulated catch. Below each view is the picture of the left eye. No real robot was "
-     "used."},
+     "The simulated catch. Below each view is the picture of the left eye. This figure shows "
+     "no real robot."},
 };
 
 const char* const kStyle = R"(

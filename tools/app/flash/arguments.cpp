@@ -21,9 +21,10 @@ Result<void> check_erase(const FlashArguments& arguments) {
       return block == host::kVectorBlock || block == host::kLoaderBlock;
     };
     if (std::ranges::any_of(arguments.blocks, kept))
-      return fail(Fault::usage,
-                  "the loader does not erase EB0 (vectors) and EB6 (the loader); --reset HOW "
-                  "without --blocks erases the whole flash through boot mode");
+      return fail(
+          Fault::usage,
+          "the loader erases neither EB0 (vectors) nor EB6 (the loader); to erase the whole "
+          "flash through boot mode, give --reset HOW and leave out --blocks");
     std::vector<int> sorted = arguments.blocks;
     std::ranges::sort(sorted);
     if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
@@ -47,10 +48,12 @@ Result<void> check(const FlashArguments& arguments) {
   if (arguments.port.empty()) return {};
   const std::string port = KAZ_TRY(parse_port(arguments.port)).name();
   if (arguments.port != port && arguments.port != "serial:" + port)
-    return fail(Fault::usage,
-                "--robot " + arguments.port +
-                    ": the loader uses 115,200 baud, and boot mode uses --boot-baud; give " +
-                    host::robot_option(port));
+    return fail(
+        Fault::usage,
+        "--robot " + arguments.port +
+            ": leave out the rate, because the loader always uses 115,200 baud, and --boot-baud "
+            "sets the rate of boot mode; give " +
+            host::robot_option(port));
   if (!arguments.writer.empty() && arguments.reset.empty())
     return fail(Fault::usage,
                 "--writer is only valid with boot mode: give --reset HOW too; the resident loader "

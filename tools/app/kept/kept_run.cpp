@@ -263,8 +263,9 @@ std::string KeptRun::command() const {
 
 void KeptRun::say_what_is_left() const {
   const auto& o = options_;
-  leaves_behind(o.still_on ? "the servos on " + o.port + " may hold: cut their power"
-                           : "the board on " + o.port + " may not be as it was before" +
+  leaves_behind(o.still_on ? "the servos on " + o.port + " may still have torque: cut their power"
+                           : "the board on " + o.port +
+                                 " may still differ from its state before this run" +
                                  (o.motors_off ? ", and its motors may be on" : "") + ": give `" +
                                  command() + "`");
 }
@@ -303,7 +304,7 @@ Result<void> KeptRun::put_back() {
   return fail(
       Fault::environment,
       "the board on " + options_.port +
-          " may not be as it was before; not put back: " + joined(back.left) +
+          " may still differ from its state before this run; not put back: " + joined(back.left) +
           (options_.motors_off ? ": its motors may be on, so support the robot, then give `" +
                                      command() + "`, which switches the motors off"
                                : ": give `" + command() + "`"));

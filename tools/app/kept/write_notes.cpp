@@ -62,8 +62,8 @@ std::vector<std::string> interrupted_writes(const std::string& port, const std::
   for (const auto& [path, write] : left_on(port, folder))
     sentences.push_back(
         "`" + one_line(write.command) + "` on " + port +
-        " was ended before the flash was complete: give the same command again in " +
-        one_line(write.folder) + ", or remove " + path);
+        " was ended before the flash was complete: give the same command again in the folder " +
+        one_line(write.folder) + ", or remove the notes in " + path);
   return sentences;
 }
 

@@ -99,9 +99,9 @@ void print(const Report& report, bool json) {
 }
 
 template <class Report>
-Result<bool> ended(const Report& report, const std::string& after) {
+Result<bool> ended(const Report& report, const std::string& covered) {
   if (!report.stopped) return report.equal();
-  return fail(Fault::interrupted, "interrupted after " + after + "; the report covers these");
+  return fail(Fault::interrupted, "interrupted; the report covers " + covered);
 }
 
 }  // namespace

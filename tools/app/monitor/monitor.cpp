@@ -67,7 +67,7 @@ class Monitor {
       return tl::unexpected(with_earlier_notes(connected.error(), port_.name()));
     }
     if (!earlier_notes(port_.name()).empty())
-      said_ = "an interrupted run left notes: press q to print what to do";
+      said_ = "an interrupted run left notes: press q to quit and print the notes";
     auto terminal = KAZ_TRY(Terminal::open());
     while (!interrupt_.requested()) {
       const Time begin = clock_.now();
@@ -123,11 +123,12 @@ class Monitor {
     for (const host::BusJoint& joint : servos_) {
       const auto torque = KAZ_TRY(driver->read(joint.servo, "torque_enable"));
       if (torque && *torque != 0)
-        return fail(Fault::environment,
-                    "the torque of " + joint.servo.joint + " on " + port_.name() +
-                        " is on, and the monitor would switch the torque off: end the program that "
-                        "drives the servo; if no program drives it, hold the robot and switch its "
-                        "power off and on");
+        return fail(
+            Fault::environment,
+            "the torque of " + joint.servo.joint + " on " + port_.name() +
+                " is on, and connecting the monitor to the bus switches all torques off: end the "
+                "program that drives the servos; if no program drives them, hold the robot, "
+                "and switch its power off and on");
     }
     looked_ = true;
     return {};
@@ -307,9 +308,10 @@ Result<Monitored> find_monitored(const MonitorOptions& options) {
   Monitored found;
   if (names_servo_bus(options.port)) {
     if (options.robot_file.empty())
-      return fail(Fault::usage, options.port +
-                                    " needs --robot-file FILE: the robot's URDF, with bus.json "
-                                    "beside it");
+      return fail(Fault::usage,
+                  options.port +
+                      " needs --robot-file FILE: give the robot's URDF; bus.json must "
+                      "be in the same folder as the URDF");
     BackendOptions robot;
     robot.robot = options.port;
     robot.robot_file = options.robot_file;

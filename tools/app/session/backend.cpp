@@ -191,9 +191,10 @@ Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
                                    options.address, host::kAllJoints, std::nullopt}};
   if (names_servo_bus(text)) {
     if (options.robot_file.empty())
-      return fail(Fault::usage, "--robot " + text +
-                                    " needs --robot-file FILE: the robot's URDF, with bus.json "
-                                    "beside it");
+      return fail(Fault::usage,
+                  "--robot " + text +
+                      " needs --robot-file FILE: give the robot's URDF; bus.json must "
+                      "be in the same folder as the URDF");
     const auto bus = KAZ_TRY(parse_bus(text));
     if (options.address != KZ_ADDRESS_DEFAULT)
       return fail(Fault::usage,
@@ -227,7 +228,7 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   const auto robot = KAZ_TRY(sim::load_robot(robot_file));
   const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_file));
   if (file.protocol != protocol)
-    return fail(Fault::usage, "bus.json beside " + robot_file + " describes a " +
+    return fail(Fault::usage, "bus.json in the folder of " + robot_file + " describes a " +
                                   std::string(servo_bus::name_of(file.protocol)) +
                                   " bus; give --robot " +
                                   std::string(servo_bus::name_of(file.protocol)) +
@@ -237,8 +238,8 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   for (const sim::RobotJoint& joint : robot.joints) {
     const auto servo = std::ranges::find(file.servos, joint.name, &servo_bus::BusServo::joint);
     if (servo == file.servos.end())
-      return fail(Fault::usage,
-                  "bus.json beside " + robot_file + " has no servo for the joint " + joint.name);
+      return fail(Fault::usage, "bus.json in the folder of " + robot_file +
+                                    " has no servo for the joint " + joint.name);
     bus.joints.push_back({*servo, joint.lower, joint.upper});
   }
   return bus;
@@ -360,8 +361,9 @@ Result<void> put_memory(sim::Simulation& simulation, const std::string& hex) {
     if (valid) bytes[i] = *byte;
   }
   if (!valid)
-    return fail(Fault::usage, "the memory of a board must have " + std::to_string(bytes.size()) +
-                                  " bytes in hexadecimal");
+    return fail(Fault::usage, "the contents of a board's flash memory must be " +
+                                  std::to_string(bytes.size()) +
+                                  " bytes, written as hexadecimal digits");
   simulation.board().mcu().set_memory(bytes);
   simulation.board().mcu().reset();
   return {};

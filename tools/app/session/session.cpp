@@ -407,8 +407,9 @@ Result<void> Session::connect() {
     constexpr std::string_view kOption = "give --address ";
     if (const auto at = sentence.find(kOption);
         options_.backend.robot.starts_with("boards:") && at != std::string::npos)
-      sentence.replace(at, kOption.size(),
-                       "write into " + options_.backend.robot.substr(7) + " the address ");
+      sentence.replace(
+          at, kOption.size(),
+          "change the board's address in " + options_.backend.robot.substr(7) + " to ");
     return tl::unexpected(robot.error());
   }
   robot_ = std::move(*robot);
@@ -526,8 +527,9 @@ void Session::excuse_failure() {
   if (!outcome_ || outcome_->success || outcome_->cause == "error") return;
   if (!lateness_ || lateness_->excuse.empty()) return;
   machine_failed_ = true;
-  outcome_->sentence = "undecided whether the robot failed (" + outcome_->sentence +
-                       "): " + lateness_->excuse + "; end other programs and try again";
+  outcome_->sentence = "the result is undecided; the run failed (" + outcome_->sentence +
+                       "), but possibly not because of the robot: " + lateness_->excuse +
+                       "; end other programs and try again";
 }
 
 void Session::end_kept() {

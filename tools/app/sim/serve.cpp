@@ -61,8 +61,7 @@ Result<bool> serve(ServeOptions arguments) {
     return fail(Fault::usage,
                 "--erased and --boot are only valid with --mcu h8: native has no flash");
   if (arguments.backend.erased && !arguments.backend.image.empty())
-    return fail(Fault::usage,
-                "--erased is not valid with --image; leave out one of the two options");
+    return fail(Fault::usage, "--erased is not valid with --image; leave out --erased or --image");
   KAZ_TRY(check_distinct(arguments));
   KAZ_TRY(check_place("--serial", arguments.real_time.serial_path));
   KAZ_TRY(check_place("--cameras", arguments.real_time.cameras_path));

@@ -22,7 +22,7 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
   KAZ_TRY(check_place("--serial", options.serial));
   const auto file = KAZ_TRY(servo_bus::load_bus_file(options.robot_file));
   if (options.protocol != servo_bus::name_of(file.protocol))
-    return fail(Fault::usage, "--bus " + options.protocol + ": bus.json beside " +
+    return fail(Fault::usage, "--bus " + options.protocol + ": bus.json in the folder of " +
                                   options.robot_file + " has servos of the protocol " +
                                   std::string(servo_bus::name_of(file.protocol)) +
                                   "; give that protocol, or another robot file");

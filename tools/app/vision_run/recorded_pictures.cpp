@@ -206,7 +206,9 @@ Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& optio
         ms[ms.size() / 2], options.out.c_str());
   }
   if (interrupted)
-    return fail(Fault::interrupted, "interrupted; results until then are kept in " + options.out);
+    return fail(
+        Fault::interrupted,
+        "interrupted; the results obtained before the interruption are kept in " + options.out);
   return true;
 }
 

@@ -123,10 +123,11 @@ Result<bool> finish(VisionReport& report, const Json& statistics, const std::str
   const auto ended = [&]() -> Result<bool> {
     if (!lost.empty())
       return fail(Fault::environment,
-                  lost + "; results until then are kept in " + options.out + without);
+                  lost + "; the results obtained earlier are kept in " + options.out + without);
     if (!interrupted) return true;
     return fail(Fault::interrupted,
-                "interrupted; results until then are kept in " + options.out + without);
+                "interrupted; the results obtained before the interruption are kept in " +
+                    options.out + without);
   };
   if (options.json) {
     print_json(result);
@@ -250,8 +251,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   if (!vision) return tl::unexpected(vision.error());
   if (auto fits =
           refuse(*vision, {"flow", "moving", "floor"},
-                 "needs time and posture, which pairs of files do not have; use a recording, or a "
-                 "live camera with --robot");
+                 "pairs of files contain only pictures, but this module also needs their times or "
+                 "the robot's posture; use a recording, or a live camera with --robot");
       !fits)
     return tl::unexpected(fits.error());
   if (!options.robot.empty())
@@ -416,8 +417,8 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
     std::fprintf(
         stderr,
         "kaz vision run: only %zu of %zu recorded pairs were processed, because the repeated run "
-        "then differed from the recording. Perhaps the version of Kaz has changed; `kaz replay "
-        "--host %s` prints the first difference\n",
+        "differed from the recording after these pairs. Perhaps the version of Kaz has changed; "
+        "`kaz replay --host %s` prints the first difference\n",
         watcher.report()->frames().size(), pairs, options.in.c_str());
   return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
                                  vision, folder, interrupted));
