@@ -5,8 +5,9 @@
 namespace kaz::hil {
 
 // The verdict is `undecided` if all runs failed and each run was disturbed. A run is disturbed if this
-// machine was late (host/link/lateness.h) or if there were errors on the line. A measurement of a warm motor
-// is also `undecided` if the same measurement of a cold motor could lead to another verdict.
+// machine was late (host/link/lateness.h) or if there were errors on the line. If a motor was warm, the
+// measured value may be lower than the value of a cold motor. If the value of the cold motor could change the
+// verdict, the verdict is also `undecided`.
 enum class Verdict { passed, failed, left_out, undecided };
 
 // Returns "passed", "failed", "left out" or "undecided".

@@ -29,8 +29,8 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 struct FittedServoParam {
   const ServoParamInfo* of = nullptr;
   double value = 0;
-  // Uncertainty of `value`. If the parameter changes by this uncertainty and all other parameters are fitted
-  // again, the squared error is 6 % larger than with `value`. If the uncertainty is not smaller than the
+  // Uncertainty of `value`. If the parameter is changed by the uncertainty, and then all other parameters are
+  // fitted again, the squared error becomes about 6 % larger. If the uncertainty is not smaller than the
   // parameter's range, `determined_within` is infinity.
   double determined_within = 0;
   // True if the uncertainty is less than half of `value`. For a parameter that can be negative, true if the

@@ -94,8 +94,9 @@ class BodyControl {
   int consecutive_ = 0;
   Time newest_exposure_{};
   Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
-  // For the detection of a fall in step(pose). `left_g_`: filtered lateral acceleration, in units of gravity.
-  // `tipped_s_`: duration of the present strong tilt, s; 0 if the tilt is not strong.
+  // The function step(pose) uses `left_g_` and `tipped_s_` to detect a fall. `left_g_`: filtered lateral
+  // acceleration, in units of gravity. `tipped_s_`: duration of the present strong tilt, s; 0 if the tilt is
+  // not strong.
   double left_g_ = 0, tipped_s_ = 0;
 };
 

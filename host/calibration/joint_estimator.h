@@ -39,7 +39,7 @@ struct Equation {
 };
 
 struct JointEstimate {
-  // Rounded to multiples of 100 urad, the unit of the board's calibration.
+  // `line.centre_rad` and `line.scale_rad` are multiples of 100 urad. The board's calibration has this unit.
   host::JointCalibration line;
   // Difference between two lines at the code in the middle of the joint's range: angle on `line` minus angle
   // on the nominal line.

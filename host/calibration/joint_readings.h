@@ -72,16 +72,16 @@ Result<FloorReading> read_here(host::Robot& robot,
 // Standard deviation of the angle at a stop, rad. Stops are milled with a tolerance of 0.1 degrees. Under
 // load, they yield by less than 0.1 degrees.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// Standard deviation of the angle that a stored line gives for a stop, rad. If the stored line was also
-// fitted to floor readings or to a gauge, its angle for a stop can differ from the true angle of the stop. So
-// this value is larger than kStopSigma.
+// Standard deviation of the angle that a stored line gives for a stop, rad. Some stored lines were fitted not
+// only to the stops, but also to floor readings or to a gauge. The angle that such a line gives for a stop
+// can differ from the true angle of the stop. So this value is larger than kStopSigma.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
 void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
-// Adds one equation for each of the joint's two stops, without a reading at the stop. The code of a stop is
-// computed from the angle of the stop with the stored calibration `line`. A stored calibration passes near
-// the true angles of the stops.
+// Adds one equation for each of the joint's two stops, without a reading at the stop. Instead, the stored
+// calibration `line` converts the angle of the stop to a potentiometer code. This is possible because a
+// stored calibration is nearly correct at the stops.
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
 // Returns the prior standard deviations (g) of the additional unknowns of add_floor(). Each reading has two
@@ -90,8 +90,8 @@ void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
 // Adds equations which state that both soles lie on one plane. If FloorReading::has_force is true, the normal
 // of this plane is also the direction of the specific force. Precondition: `to` was constructed with the
-// result of floor_unknowns(readings). The equations are linearized at the joint angles that `about` gives for
-// the readings.
+// result of floor_unknowns(readings). The parameter `about` is an approximate solution. Each equation is
+// linearized at the joint angles that this solution gives for the reading.
 void add_floor(JointEstimator& to, const std::vector<FloorReading>& readings,
                const JointEstimator::Solution& about);
 

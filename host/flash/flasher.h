@@ -39,8 +39,8 @@ struct FlasherOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
-  // Measures the delays of this process in real time; may be null. If `lateness` is not null, pass the same
-  // LatenessMeter also as the flasher's link and clock. Steps that failed while this machine was late are
+  // Measures the delays of this process in real time; may be null. If `lateness` is not null, the link and
+  // the clock of the flasher must both be `*lateness`. Steps that failed while this machine was late are
   // repeated.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;

@@ -47,9 +47,9 @@ std::string status_text(int status);
 class WriterLink {
  public:
   // All arguments must outlive this object. `lateness` measures the delays of this process in real time;
-  // `lateness` may be null. If `lateness` is not null, pass the same LatenessMeter as `link` and as `clock`.
-  // A failed try does not count if this machine was late during the try. In each exchange, at most
-  // LatenessMeter::kRepetitions failed tries are left uncounted.
+  // `lateness` may be null. If `lateness` is not null, the arguments `link` and `clock` must both be
+  // `*lateness`. A failed try does not count if this machine was late during the try. In each exchange, at
+  // most LatenessMeter::kRepetitions failed tries are left uncounted.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 

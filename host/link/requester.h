@@ -16,11 +16,12 @@
 //
 // An old command never overtakes a newer command. A request that changes something waits until all earlier
 // requests that change something have been answered. While a request that changes something is pending, at
-// most one query is pending, too. So between the first transmission and a retry of a request that changes
-// something, the board receives at most one query. The board remembers KZ_REQUESTS_REMEMBERED requests, so
-// the board still recognizes the retry. The reply to a query shows the effect of all commands that were
-// posted before the query. If the query was lost and repeated, the reply can also show the effect of requests
-// that were posted after the query. The tick in the reply is the time of the returned state.
+// most one query is pending, too. So if the host repeats a request that changes something, the board receives
+// at most one query between the first transmission and the repetition. The board remembers
+// KZ_REQUESTS_REMEMBERED requests, so the board still recognizes the retry. The reply to a query shows the
+// effect of all commands that were posted before the query. If the query was lost and repeated, the reply can
+// also show the effect of requests that were posted after the query. The tick in the reply is the time of the
+// returned state.
 #pragma once
 
 #include <cstdint>

@@ -23,8 +23,8 @@ struct RoundTripStatistics {
 //   RTO = SRTT + 4 RTTVAR, within [shortest, longest].
 //
 // Round trips of repeated requests are ignored (Karn's algorithm). The timeout doubles with each retry. After
-// a retry, the doubled timeout remains. The timeout is computed again when a request is answered at its first
-// transmission (RFC 6298, sections 3 and 5.5 to 5.7).
+// a retry, later requests also have the doubled timeout. The timeout is computed again when a request is
+// answered at its first transmission (RFC 6298, sections 3 and 5.5 to 5.7).
 class RoundTrip {
  public:
   struct Bounds {

@@ -18,15 +18,16 @@
 //   votes for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the robot. The
 //   height must also be larger than three standard deviations of the height. Each point covers the area of
 //   its pixel, in m^2, at the depth of the point. A cell's vote is 1 if the cell's points cover at least a
-//   quarter of a square whose side is `cell_m`. If the points of a neighboring cell cover more than kUneven
-//   (votes.h) times the area that the cell's own points cover, the cell's vote is reduced. Stereo errors move
-//   a point only along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So if a
-//   picture shows floor in a cell, each obstacle point of the same picture in this cell has a wrong position.
-//   Such a point is moved away from the camera along its ray, by up to two sigma, to a cell without floor. If
-//   the floor ends below a point in the picture, two distances from the eye are compared: to the point, and
-//   to the end of the floor. If these two distances differ by at most three sigma, the point is moved to the
-//   end of the floor. A face without texture has no depth between its two edges. If both edges are at the end
-//   of the floor, the whole face is placed there (contact_line.h).
+//   quarter of a square whose side is `cell_m`. Then two areas are compared: the area covered by the points
+//   of the cell, and the area covered by the points of a neighboring cell. If the neighbor's area is larger
+//   than kUneven (votes.h) times the cell's area, the cell's vote is reduced. Stereo errors move a point only
+//   along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So if a picture
+//   shows floor in a cell, each obstacle point of the same picture in this cell has a wrong position. Such a
+//   point is moved away from the camera along its ray, by up to two sigma, to a cell without floor. If the
+//   floor ends below a point in the picture, two distances from the eye are compared: to the point, and to
+//   the end of the floor. If these two distances differ by at most three sigma, the point is moved to the end
+//   of the floor. A face without texture has no depth between its two edges. If both edges are at the end of
+//   the floor, the whole face is placed there (contact_line.h).
 // - Hole. A point counts as below the floor if its depth below the floor exceeds both `drop_m` and three
 //   sigma. The ray from the eye to such a point passes through the plane z = 0 at a place where floor is
 //   missing. The cell at this place gets a vote for an obstacle.
@@ -35,9 +36,9 @@
 // above in the picture differ by at least kSmooth_px (votes.h). A point is also a stray if its disparity and
 // the disparity of the point below in the picture differ by at least kSmooth_px. A point is also a stray if
 // its cell and the eight neighboring cells together contain too few points (kMinPoints and kMinShare in
-// votes.h). If an object stands at the end of the floor, a point behind this end and lower than the object's
-// top is also a stray. The depth of such a point is a mixture of the depths of the object's rim and of the
-// floor behind the object (contact_line.h).
+// votes.h). If an object stands at the end of the floor, a point behind the object is also a stray if the
+// point is lower than the object's top. The depth of such a point is a mixture of the depths of the object's
+// rim and of the floor behind the object (contact_line.h).
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
 // this plane. Otherwise these values are computed from the robot's posture, which is less exact. While the
@@ -113,8 +114,8 @@ class LocalMap {
 
   // Enters the floor and depth of one image pair. `info` (usually planes.info) contains camera and posture.
   // `map_from_foot` is the pose of the foot at the exposure, with the sole on z = 0. `own` lists parts of the
-  // robot. Pixels on these parts are not entered as obstacles. Around each part, the pixels of a margin are
-  // not entered either. The margin is 1/32 of the picture's width wide.
+  // robot. Pixels on these parts are not entered as obstacles. Pixels near a part are not entered either, up
+  // to a distance of 1/32 of the picture's width.
   //
   // Errors (failed): the posture at the exposure is unknown, or the exposure is not later than the exposure
   // of the last update. Errors (usage): planes and depth have different exposures or sizes, the camera model

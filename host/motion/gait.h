@@ -17,8 +17,9 @@
 //   p(t) = C (1 + h w^2 / g) sin(2 pi phase),   w = 2 pi / period.
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
-// edge of this sole must be at least `margin`. A swing lasts for a share of the cycle, `swing`. In the middle
-// of a swing, |p(t)| has its maximum. So at the beginning and at the end of a swing, the following is true:
+// edge of this sole must be at least `margin`. `swing` is the duration of a foot's swing, divided by the
+// duration of the cycle. In the middle of a swing, |p(t)| has its maximum. So at the beginning and at the end
+// of a swing, the following is true:
 //   |sin(2 pi phase)| = cos(pi swing).
 // The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole.
 // These conditions determine the amplitude of the trunk's roll, which roll_for() computes.

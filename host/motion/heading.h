@@ -27,8 +27,8 @@ class Heading {
 
   double rad() const { return heading_; }
   // Standard deviation of the rotation since the first sample. The value includes the noise, the error of the
-  // measured zero, and the drift of the zero. The value does not include the errors that lean and shaking of
-  // the trunk cause during walking. The class Motion adds these errors.
+  // measured zero, and the drift of the zero. Lean and shaking of the trunk during walking cause
+  // further errors. The value does not include them, but Motion takes them into account.
   double sigma_rad() const;
   double sigma_zero() const;  // rad/s
   // Total time of the samples that measured the zero, s.

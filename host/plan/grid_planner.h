@@ -6,10 +6,10 @@
 // the next heading on either side. The cost is time.
 //
 // The heuristic is the time without obstacles: turn toward the goal, walk to the goal, turn to the goal's
-// heading. The heuristic never exceeds the time of a path, for two reasons. First, on every path, the robot
-// turns to the direction of the goal or beyond this direction. So the turns of a path take at least as long
-// as the turns in the heuristic. Second, every path is at least as long as the distance to the goal. So A*
-// finds the fastest path on this graph.
+// heading. The heuristic never exceeds the time of a path, for two reasons. First, on every path, the robot's
+// heading reaches or passes the direction of the goal. So the turns of a path take at least as long as the
+// turns in the heuristic. Second, every path is at least as long as the distance to the goal. So A* finds the
+// fastest path on this graph.
 //
 // If PlanOptions::any_heading is true, straight lines of any heading then replace parts of the path. A line
 // must be free of obstacles. Dynamic programming over pairs of points on the path selects the lines that take

@@ -106,21 +106,21 @@ struct NoPath {
   // not_found: there is a path, but a sampling planner did not find it.
   enum class Why { start_outside, goal_outside, start_blocked, goal_blocked, enclosed, not_found };
   Why why = Why::enclosed;
-  // Position of the obstacle in the way. For enclosed and not_found: the obstacle nearest to the narrowest
-  // place on the widest way to the goal. The widest way is the way whose narrowest place is farthest from
-  // obstacles. For start_outside and goal_outside: the position of the start or the goal.
+  // Position of the obstacle in the way. For `enclosed` and `not_found`: the obstacle that is nearest to the
+  // widest way. The widest way is the way to the goal that keeps the largest distance from obstacles. For
+  // start_outside and goal_outside: the position of the start or the goal.
   Eigen::Vector2d where{0, 0};
   // Distance from the obstacle at `where` to the start (start_blocked), to the goal (goal_blocked), or to the
-  // narrowest place (enclosed, not_found).
+  // widest way (enclosed, not_found).
   double clear_m = 0;
 };
 // Returns the reason as text, such as "the goal is 0.04 m from an obstacle at (0.525, 0.105); the robot needs
 // a distance of at least 0.16 m".
 std::string text(const NoPath& none, const PlanOptions& options);
 
-// Searches the floor cells that the robot can reach from `from` by steps between neighboring cells. Returns
-// the center of the reachable floor cell that is nearest to `to`. Returns nothing if the robot cannot stand
-// at `from`, or if no floor is reachable.
+// The robot starts at the point `from` and moves in steps between neighboring cells. The function searches
+// all floor cells that the robot can reach in this way. Returns the center of the reachable floor cell that
+// is nearest to `to`. Returns nothing if the robot cannot stand at `from`, or if no floor is reachable.
 std::optional<Eigen::Vector2d> nearest_reachable(const Grid& grid, const Eigen::Vector2d& from,
                                                  const Eigen::Vector2d& to,
                                                  const PlanOptions& options);

@@ -57,7 +57,7 @@ std::string how_calibration_goes(const kz_identify_reply& identity, const std::s
 
 struct PutBackOptions {
   // Timeout of put_back(). A board in its loader does not answer for 3 s. A write to flash takes up to 3 s.
-  // The default is longer than the stay in the loader and the write to flash together.
+  // The default timeout allows for 3 s in the loader and then 3 s for a write to flash.
   Time patience = std::chrono::seconds(8);
   // True: the program may have changed the address or the flash, so put_back() first resets the board, and
   // searches for the board at all addresses.

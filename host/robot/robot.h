@@ -21,9 +21,9 @@
 //   returns success, and the next receive_cycle() returns the present posture.
 // - set_targets, set_calibration, store_calibration, raw_drive, reset, start_loader and set_address fail; the
 //   error message explains that the link was lost. The robot remains usable.
-// - If a function is neither in this list nor disable_all(), the function repeats its requests once and
-//   returns the result of the repetition. This result does not show whether the link was reconnected. Use
-//   take_resumption() to detect the reconnection.
+// - disable_all() does not reconnect.
+// - All functions outside this list repeat their requests once and return the result of the repetition. This
+//   result does not show whether the link was reconnected. Use take_resumption() to detect the reconnection.
 //
 // If the board has shut down for any reason other than its link watchdog, no joint is enabled, and the call
 // fails.

@@ -53,8 +53,8 @@
 #define KZ_DECIDEG(d) ((s16)((s32)(d)*17453L / 1000L))
 // Each potentiometer code covers a range of angles. KZ_POT_CENTRE is the joint angle in the middle of the
 // range of code 512, in units of 100 urad. The arguments are the columns `pot_centre` and `sign` of
-// joints.def. Because the converter rounds down, the angle in joints.def is the start of the range of code
-// 512. The distance from the start to the middle of the range is half a code, or 16.19 units.
+// joints.def. The converter rounds down. So the range of code 512 starts at the angle in joints.def. The
+// distance from the start to the middle of the range is half a code, or 16.19 units.
 #define KZ_POT_CENTRE(decideg, sign) ((s16)(KZ_DECIDEG(decideg) + ((sign) > 0 ? 16 : -16)))
 
 #endif

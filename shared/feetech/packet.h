@@ -32,7 +32,7 @@ enum class Instruction : std::uint8_t {
   restart = 0x08,      // servos do not reply
   backup = 0x09,       // stores the registers for `restore`
   reset_turns = 0x0A,  // clears the turn counter
-  set_middle = 0x0B,   // the present position becomes the parameter (2 bytes; default 2048)
+  set_middle = 0x0B,   // the present position gets the parameter's value (2 bytes; default 2048)
   sync_read = 0x82,    // parameters: address, length, ids; SCS servos do not support sync_read
   sync_write = 0x83,   // parameters: address, length, then id and data per servo
 };

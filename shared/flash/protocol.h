@@ -29,8 +29,8 @@
 // Maximum number of outstanding requests: one that the writer executes, and one that it receives meanwhile.
 #define KZ_WRITER_WINDOW 2
 
-// Requests. The comment on each request describes the payload of the request. The comment also describes the
-// payload of the reply, without the status and the unused byte. Numbers in brackets are sizes in bytes.
+// Requests. The comment on each request describes the payload of the request and the payload of the reply. In
+// a reply, these bytes follow the status and an unused byte. Numbers in brackets are sizes in bytes.
 //
 // INFO: the request is empty. The reply has the protocol version (1), a flag (1), and the board id (2). The
 // flag is 1 if the loader started the writer, otherwise 0. The board id FFFF means that the id is unknown.

@@ -16,7 +16,7 @@ class Axis {
   // Position of an end of a linear axis.
   enum class End {
     exact,      // at the given value
-    margin,     // a gap of 2 % of the range separates the given value from the end
+    margin,     // the axis continues beyond the given value by 2 % of the range
     whole_step  // at the next multiple of the tick step
   };
 

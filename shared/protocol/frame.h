@@ -12,19 +12,20 @@
 // Each frame begins with a zero byte and ends with a zero byte. Two frames never share a zero. If a receiver
 // starts within a frame, loses bytes or gets extra bytes, the next zero synchronizes the receiver.
 //
-// One damaged byte is always detected, with one exception (kz_frame_splits). The damaged byte may be:
-//   - A byte between the two zeros that changes to a value other than zero. If the byte belongs to the check,
-//     the check no longer agrees with the CRC. If the byte is before the check, all wrong bits lie within
-//     8 adjacent bits. A CRC-16 always detects wrong bits within 8 adjacent bits.
-//   - The first zero. The receiver then includes the damaged byte in its CRC. Each possible value of this
-//     byte changes the CRC, so the check is wrong.
-//   - The last zero. The receiver then takes the first byte of the check for a stuffing byte. Stuffing bytes
-//     are below 0x80, but bytes of a check are not, so the receiver rejects the frame.
-//   - A byte between the two zeros that changes to zero. The frame is then split into two parts. The receiver
-//     treats the last three bytes of the first part as a check. If the first of the three bytes is a stuffing
-//     byte, the check is wrong, because a stuffing byte is below 0x80. If the first of the three bytes is not
-//     a stuffing byte, the stuffed block before the three bytes is incomplete. In both cases, the receiver
-//     rejects the first part. The check of the second part is valid only if kz_frame_splits returns 1.
+// One damaged byte is always detected, with one exception (kz_frame_splits). The cases are:
+//   - Between the two zeros, a byte changes to a nonzero value. If the byte belongs to the check, the check
+//     no longer agrees with the CRC. If the byte is before the check, all wrong bits lie within 8 adjacent
+//     bits. A CRC-16 always detects wrong bits within 8 adjacent bits.
+//   - The first zero changes. The receiver then includes the damaged byte in its CRC. Each possible value of
+//     this byte changes the CRC, so the check is wrong.
+//   - The last zero changes. The receiver then takes the first byte of the check for a stuffing byte.
+//     Stuffing bytes are below 0x80, but bytes of a check are not, so the receiver rejects the frame.
+//   - Between the two zeros, a byte changes to zero. The frame is then split into two parts. The receiver
+//     treats the last three bytes of the first part as a check. The first byte of a valid check is at least
+//     0x80. If the first of the three bytes is a stuffing byte, this byte is below 0x80, so the check is
+//     wrong. If the first of the three bytes is not a stuffing byte, the stuffed block before the three bytes
+//     is incomplete. In both cases, the receiver rejects the first part. The check of the second part is
+//     valid only if kz_frame_splits returns 1.
 #ifndef KAZ_SHARED_PROTOCOL_FRAME_H
 #define KAZ_SHARED_PROTOCOL_FRAME_H
 

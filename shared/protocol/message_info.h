@@ -14,7 +14,9 @@ typedef struct kz_field_info {
   const char* name;
   const char* unit;
   const char* text;
-  const char* mask;  // name of the mask field; a set bit: the element is sent; NULL: no mask
+  // Name of the field that contains the mask, or NULL if there is no mask. If there is a mask, the message
+  // contains only the elements whose bits in the mask are set.
+  const char* mask;
   // Bounds of a field in a request. If messages.def gives no bounds, these are the lowest and the highest
   // value of the type.
   long long low;

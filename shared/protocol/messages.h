@@ -174,8 +174,9 @@ enum kz_size {
 // kz_unpack_<name> reads the fields. Returns 1, or 0 if `length` is wrong for the message.
 //
 // A field with a mask contains one number for each set bit of the mask. In messages.def, `most` is the
-// maximum count of these numbers. If more bits are set, the highest of the set bits have no number. Mask bits
-// above the highest joint have no number. Unpacking sets the numbers of joints that are not in the mask to 0.
+// maximum count of these numbers. If the mask has more set bits than `most`, the field contains numbers only
+// for the lowest set bits. Mask bits above the highest joint have no number. Unpacking sets the numbers of
+// joints that are not in the mask to 0.
 //
 // kz_check_<name> returns the index of the first field that is out of bounds, or KZ_IN_BOUNDS.
 #define KZ_IN_BOUNDS 255

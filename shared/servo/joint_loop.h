@@ -38,10 +38,11 @@ extern "C" {
 #define KZ_CONSTRAINED_BY_FRICTION 2  // has a dead band or friction
 
 // A joint is far from a limit if distance > rate + KZ_FAR_FROM_LIMIT (units: joint_drive.h). Such a joint
-// does not have to brake for the limit within 4 ms. Reason: more than 0.1 rad from a limit, the allowed rate
-// is `distance + 1000`. In 4 ms, the distance shrinks by at most 620, even at the no-load speed of 15.5 rad/s
-// at 12 V. In the same time, full drive raises the filtered rate by at most 3,420, because the filter passes
-// 41 % of a speed step. KZ_FAR_FROM_LIMIT must therefore be at least 620 + 3420 - 1000 = 3040.
+// does not have to brake for the limit within 4 ms. If the distance to a limit is more than 0.1 rad, the
+// maximum rate toward this limit is: distance + 1000. In 4 ms, the distance shrinks by at most 620, even at
+// the no-load speed of 15.5 rad/s at 12 V. In the same time, full drive raises the filtered rate by at most
+// 3,420, because the filter passes 41 % of a speed step. KZ_FAR_FROM_LIMIT must therefore be at least
+// 620 + 3420 - 1000 = 3040.
 #define KZ_FAR_FROM_LIMIT 3100
 
 // Runs one tick for KZ_JOINTS joints. Computes the angle and rate of each joint from the A/D codes. If a

@@ -18,9 +18,9 @@ void kz_requests_init(kz_servo* servo);
 // Executes the request in servo->receiver if the request is addressed to this board or to all boards.
 // servo->receiver must contain a valid frame. Queues the reply or refusal, unless the request was sent to all
 // boards. A repeated request is not executed again, and the reply reports the outcome of the first execution.
-// There are two exceptions. A repeated `stop` is executed again. If any other executed request is repeated,
-// the board executes again only the part of the request that switches something off. For example, a repeated
-// `enable` switches no joint on.
+// There are two exceptions. A repeated `stop` is executed again. The repetition of an executed request other
+// than `stop` can switch something off, but cannot switch anything on. For example, a repeated `enable`
+// switches no joint on.
 void kz_request_received(kz_servo* servo);
 
 // Sets the outcome of the requests that waited for the end of an action. `outcome` is a kz_outcome

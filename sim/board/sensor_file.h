@@ -56,7 +56,8 @@ struct SensorParams {
 // Switches for the errors of the sensors. True: the sensor has errors and noise. False: the output of the
 // sensor is exactly the nominal output.
 struct SensorSwitches {
-  bool potentiometer = true;  // noise; beyond the terminals, the wiper is open
+  // True: the reading has noise, and the wiper is open beyond the terminal contacts.
+  bool potentiometer = true;
   bool pot_as_built = false;  // individual linearity errors and mounting offsets
   // Noise of the measured supply voltage. The supply sags for both values of this switch.
   bool supply = true;

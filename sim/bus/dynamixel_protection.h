@@ -9,10 +9,10 @@
 //   depends on the present supply voltage.
 // - An error that is not selected in `shutdown` ends when the cause of the error ends.
 //
-// The torque is not measured. The model computes the torque as a fraction of the maximum torque. This
-// fraction is the magnitude of the duty minus the ratio of the speed to the no-load speed. If the motor
-// turns against the direction of the duty, the ratio is taken as 0. Encoder errors and electrical shocks are
-// not simulated.
+// The torque is not measured. The model computes the torque as a fraction of the maximum torque. If
+// the motor turns in the direction of the duty, this fraction is: |duty| - |speed| / no-load speed. If the
+// motor turns against the direction of the duty, this fraction is |duty|. Encoder errors and electrical
+// shocks are not simulated.
 #pragma once
 
 #include "sim/bus/register_file.h"
@@ -31,8 +31,11 @@ class DynamixelProtection {
   bool shut_down() const { return latched_ != 0; }
 
  private:
-  double bad_voltage_s_ = 0, overload_s_ = 0;  // duration of the bad voltage and of the overload
-  int latched_ = 0;                            // bits of hardware_error_status
+  // `bad_voltage_s_` counts the seconds while the supply voltage is outside the limits. `overload_s_` counts
+  // the seconds while the torque is above 80 % of the maximum torque. When the condition of a counter ends,
+  // the counter becomes 0.
+  double bad_voltage_s_ = 0, overload_s_ = 0;
+  int latched_ = 0;  // bits of hardware_error_status
 };
 
 }  // namespace kaz::sim

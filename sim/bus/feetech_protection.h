@@ -10,11 +10,11 @@
 // - A temperature above max_temperature switches the torque off.
 //
 // The register unload_condition selects which of these protections act. The register `status` shows the
-// conditions of all these protections. The torque is not measured. The model computes the torque as the
-// magnitude of the duty minus the ratio of the speed to the no-load speed. If the motor turns against the
-// direction of the duty, the ratio is taken as 0. Thus the torque is 0 if the servo runs freely at full
-// speed, and equal to the duty if the servo is stalled. The maker does not document how a hot servo
-// recovers. In this simulation, the host must switch the torque on again.
+// conditions of all these protections. The torque is not measured. If the motor turns in the direction of the
+// duty, the model computes the torque as: |duty| - |speed| / no-load speed. If the motor turns against the
+// direction of the duty, the model computes the torque as |duty|. Thus the torque is 0 if the servo runs
+// freely at full speed, and equal to the duty if the servo is stalled. The maker does not document how a hot
+// servo recovers. In this simulation, the host must switch the torque on again.
 #pragma once
 
 #include "sim/bus/feetech_motion.h"
@@ -34,7 +34,10 @@ class FeetechProtection {
   void power_on() { *this = {}; }
 
  private:
-  double overload_s_ = 0, overcurrent_s_ = 0;  // duration of the overload and of the overcurrent
+  // `overload_s_` counts the seconds while the torque is above overload_torque. `overcurrent_s_` counts the
+  // seconds while the current is above protection_current. When the condition of a counter ends, the counter
+  // becomes 0.
+  double overload_s_ = 0, overcurrent_s_ = 0;
   bool overloaded_ = false, overcurrent_ = false, bad_voltage_ = false;
 };
 

@@ -29,9 +29,9 @@ class HalfDuplexLine {
   // Sets the baud rate of a node for bytes sent or received from now on. Precondition: baud > 0.
   void set_baud(std::size_t node, double baud);
   // Sends the bytes without gaps. The first byte begins at `from` or after the node's earlier bytes,
-  // whichever is later. Returns the time at which the last stop bit ends. Precondition: If next() has
-  // already returned a byte, `from` is at or after Received::at of the byte that next() returned most
-  // recently.
+  // whichever is later. Returns the time at which the last stop bit ends. If the most recent call of
+  // next() returned a byte, `from` must not be earlier than the byte's Received::at. If the most recent call
+  // of next() returned nullopt, `from` must not be earlier than the argument `until` of that call.
   Time send(std::size_t node, std::span<const std::uint8_t> bytes, Time from);
   // Returns the time at which the nodes have sent all their bytes, including queued bytes. This time is in
   // the past if the wire is idle.
@@ -67,8 +67,8 @@ class HalfDuplexLine {
     Time sent_until{};   // end of the bytes that the node itself sends
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
-    // Time of the middle of the stop bit of the byte in `next`. After the function next() has returned this
-    // byte, the UART ignores falling edges before `after`.
+    // Time of the middle of the stop bit of the byte in `next`. When the function next() returns this
+    // byte, the function copies the value of `after` to the variable `from`.
     Time after{};
   };
 

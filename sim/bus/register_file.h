@@ -24,9 +24,10 @@ class RegisterFile {
   int get(std::string_view name, int otherwise = 0) const;
   int get(const servo_bus::Register& reg, int index = 0) const;
   // Writes a register on behalf of the servo's firmware. Registers that are read-only for a host are written
-  // too. Clamps the value to the register's range. Exception: for a writable DYNAMIXEL register, the value
-  // is only clamped to the numbers that fit into the register's bytes. The function has no effect if the
-  // model does not have the register.
+  // too. Clamps the value to the register's range. Exception: a writable DYNAMIXEL register can also get
+  // a value outside its range. If such a value does not fit into the register's bytes, the function clamps
+  // the value to the nearest value that fits. The function has no effect if the model does not have the
+  // register.
   void set(std::string_view name, int value);
   // Writes one of the consecutive registers that `reg` describes. `index` is the number of this register,
   // counted from 0. If the register is in the EEPROM and the EEPROM is not locked, the value is also kept

@@ -49,8 +49,8 @@ class VirtualBus {
   };
   // The received bytes, oldest first. The caller removes the bytes that it has read.
   std::deque<HostByte>& received() { return received_; }
-  // Returns the end of the last byte that was passed to write(). If the host is not sending at time(), this
-  // end is not later than time().
+  // Returns the time at which the transmission of the last byte passed to write() ends. If the host is not
+  // sending at time(), this end is not later than time().
   Time host_sends_until() const { return host_sends_until_; }
   std::uint64_t host_framing_errors() const { return host_framing_errors_; }
 

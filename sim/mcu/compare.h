@@ -40,11 +40,12 @@ struct CompareOptions {
 
 struct CompareDifference {
   // Name of the value that differs, for example "output.pw[3]", "state.joint[2].goal", "pins.pw[3]" or
-  // "line.byte". If a field of the frame that the board is sending differs, `field` contains the name of the
-  // message and the name of the field, for example "identify_reply.build_id".
+  // "line.byte". If the engines send different values in a field of a frame, `field` names the message and
+  // the frame's field, for example "identify_reply.build_id".
   std::string field;
-  // Values of the two engines. If `field` is "line.byte", "line.missing" or "line.cut_off", the value -1
-  // means that this engine has not sent a byte.
+  // Values of the two engines. If `field` is "line.byte" and `native` is -1, the firmware in the emulator
+  // has sent a byte that the native build has not sent. If `field` is "line.missing" or "line.cut_off", `h8`
+  // is -1, because the firmware in the emulator has not sent the byte `native`.
   std::int64_t native = 0, h8 = 0;
 };
 

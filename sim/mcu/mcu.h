@@ -108,8 +108,8 @@ class Mcu {
   // Returns the voltage at AN0..AN7 as a fraction of AVCC, 0..1, at the sample time `at`. `levels` contains
   // the levels of the multiplexers' select pins at that time. If the program cannot read a sample, the
   // engine does not call the function for this sample. Therefore the function must have no side effects. The
-  // function may use its arguments. Each other value that the function uses must be constant during a call
-  // of run_until(), unless a listener changes the value.
+  // function's result may depend on the arguments and on other values. During a call of run_until(), only a
+  // listener may change these other values.
   using AnalogSource = std::function<double(int channel, const PinLevels& levels, States at)>;
   virtual void set_analog(AnalogSource source) = 0;
 

@@ -15,8 +15,8 @@ struct WireException {
   const char* native;  // behavior of the native board
   const char* reason;
   // In replies of the message type `type`, the comparison leaves out the field with the name `field`. If
-  // `type` is 0, the difference is not in a field of a reply. If `type` is 0, the comparison either accepts
-  // the difference or avoids the situations that cause the difference.
+  // `type` is 0, the difference is not in a field of a reply. If `type` is 0, the comparison does one of
+  // three things: accept the difference, avoid the cause of the difference, or end the conversation early.
   std::uint8_t type = 0;
   const char* field = nullptr;
 };

@@ -49,10 +49,10 @@ class MotorStand final : public World {
   // clamps the shaft with a lever that presses on a scale. If `on` is false, removes the lever. Each call of
   // clamp() resets the scale to zero.
   void clamp(std::size_t joint, bool on);
-  // Returns the torque of the motor that the scale shows, Nm. A torque in the joint's positive direction is
-  // positive. The reading is the mean over the last 50 steps in which the motor was driven against the clamp.
-  // The scale keeps this reading when the motor stops. Before the first reading, the scale shows 0. The noise
-  // has a sigma of 2 mNm, the resolution is 1 mNm.
+  // Returns the reading of the scale: the torque of the motor, Nm. A torque in the joint's positive
+  // direction is positive. The reading is the mean over the last 50 steps in which the motor was driven
+  // against the clamp. The scale keeps this reading when the motor stops. Before the first reading, the
+  // scale shows 0. The noise has a sigma of 2 mNm, the resolution is 1 mNm.
   double scale_nm(std::size_t joint) const;
   // Applies the torque of a weight, `torque_nm`, to the shaft without a shock. A torque of 0 removes the
   // weight.

@@ -51,8 +51,8 @@ void add_common(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("DIR");
   verb.add_flag(
       "--json", arguments.json,
-      "print result.json instead of the table and the progress. Kaz also writes all files "
-      "to the folder of --out");
+      "print result.json instead of the table and the progress. Kaz also writes all files to the "
+      "folder of --out");
 }
 
 void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
@@ -100,8 +100,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
           ? "while Kaz measures the link or the tick, switch the joints on and hold the joints "
-            "still, for a realistic load. If Kaz measures motors of a board at a port, and "
-            "--stand is not given, let each joint move at full speed through its range"
+            "still, for a realistic load. For motors of a board at a port without a stand, this "
+            "option permits that each joint moves at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "
@@ -243,10 +243,10 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
   verb->footer(
       "This verb takes two minutes. It records four motions, each with three gains, in twelve logs "
       "of 6 s. Give the logs with the middle gain (held-*.csv) to kaz bench servo as --held-out. "
-      "During the recording, the D gain, I gain and minimum duty are 0. After the recording, "
-      "Kaz restores their values. The recording ends early in three cases: you press Ctrl-C, a "
-      "limit is exceeded, or the servo stops answering. Kaz then switches the torque off, restores "
-      "the registers and writes no file.\n"
+      "During the recording, the D gain, I gain and minimum duty are 0. After the recording, Kaz "
+      "restores their values. The recording ends early in three cases: you press Ctrl-C, a limit "
+      "is exceeded, or the servo stops answering. Kaz then switches the torque off, restores the "
+      "registers and writes no file.\n"
       "Examples:\n"
       "  kaz bench pendulum --robot feetech:/dev/ttyACM0 --mass 0.3 --length 0.15 --arm 0.02 \\\n"
       "      --out heavy\n"

@@ -206,7 +206,7 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "servo's position value jumps from its maximum to zero. Kaz sets position offsets that move "
       "this jump out of the joint's range. Kaz shows the EEPROM values, writes the values, and "
       "reads the values back. The zero positions are written to bus.json.\n"
-      "Exit status: 1 a joint has no good reading, and no calibration is stored.\n"
+      "Exit status: 1 a joint has no good reading; then no calibration is stored.\n"
       "Examples:\n"
       "  kaz calibrate joints --dry-run\n"
       "  kaz calibrate joints --seed 3 --mcu native --memory three.mem\n"

@@ -58,8 +58,8 @@ class ReplayedBoard {
   // than in the recording, the end counts as the difference. Exception: if the recording is cut off, a host
   // that ends later than the recording is no difference.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference in the behavior's entries. A different entry can be the cause of different bytes to the
-  // board.
+  // First difference between the recorded and the repeated entries of the behavior. It can explain why the
+  // host sent different bytes to the board.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:

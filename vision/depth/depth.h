@@ -45,8 +45,8 @@ struct DepthOptions {
   int block_px = 15;  // side of the compared blocks; odd, 5..21
   // Minimum texture of a block of 15 x 15 px. The texture of a block is the sum of the absolute horizontal
   // derivatives at the pixels of the block. For other block sizes, the minimum is scaled by the area of the
-  // block. On a surface of uniform color, noise with a standard deviation of 1.6 gray codes gives a sum of
-  // 1000. Blocks that contain only noise have no meaningful match.
+  // block. If a block shows a surface of uniform color, noise with a standard deviation of 1.6 gray codes
+  // gives the block a texture of 1000. Blocks that contain only noise have no meaningful match.
   int min_texture = 1000;
   // Minimum share by which the costs of other disparities must exceed the lowest cost, percent.
   int uniqueness_percent = 10;

@@ -36,11 +36,11 @@ struct WarpRow {
 void warp_row(const WarpRow& row, bool vectors);
 
 // One step of the running sums of absolute derivatives. `in` is the row that enters the blocks. `gone` is the
-// row that leaves the blocks. In the first `block` steps, no row leaves the blocks, so all codes of `gone`
-// must be kFilterCap. `columns` contains the sum of each column; the caller must keep these sums from row to
-// row. `textured` is the mask of the middle row of the blocks: 1 where the sum over the block is at least
-// `min_sum`. The mask is not written within half a block of the borders. As long as fewer than `block` rows
-// have entered, `textured` must be null.
+// row that leaves the blocks. In the first `block` steps, no row leaves the blocks. In these steps, all
+// codes of `gone` must be kFilterCap, the code of the derivative 0. `columns` contains the sum of each
+// column; the caller must keep these sums from row to row. `textured` is the mask of the middle row of the
+// blocks: 1 where the sum over the block is at least `min_sum`. The mask is not written within half a block
+// of the borders. As long as fewer than `block` rows have entered, `textured` must be null.
 struct TextureRow {
   const std::uint8_t *in, *gone;
   int width, block, min_sum;

@@ -37,7 +37,7 @@ struct BlockRow {
   // yet, all bits are 1.
   std::uint32_t* claims;
   int doubt_share;             // uniqueness margin in units of 1/65536 of the minimum cost
-  bool full;                   // true: the lowest row of the blocks enters, so winners are found
+  bool full;                   // true: the entering row completes the blocks, and winners are found
   RowWinners winners;          // winners of the middle row
   const std::uint8_t* wanted;  // by pixel of the middle row: 0 if no winner is needed
 };

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The ray of pixel (u, v) is (x/z, y/z) = ((u - cx) / fx, (v - cy) / fy). A point at depth z has the
-// disparity d = fx B / z, where B is the baseline. A plane has the equation n . p = D. Dividing n . p = D by
-// z D / (fx B) gives an equation that is linear in the pixel coordinates:
+// disparity d = fx B / z, where B is the baseline. A plane has the equation n . p = D. If both sides of the
+// plane's equation are divided by z D / (fx B), the result is linear in the pixel coordinates:
 //
 //   d = B/D (nx (u - cx) + ny fx/fy (v - cy) + nz fx)
 //

@@ -27,7 +27,8 @@ struct MotorBenchOptions {
   std::function<void(double share, const std::string& what)> progress;
 };
 
-// Returns connection options. The timeout of the link watchdog is 0.5 s, the minimum for bench_motor().
+// Returns connection options with a link watchdog of 0.5 s. bench_motor() requires a link watchdog of at
+// least 0.5 s.
 host::ConnectOptions bench_connection();
 
 // Error (usage): the filter is not a regular expression, or matches no measurement of a motor.
@@ -41,8 +42,8 @@ Result<void> check_motor_filter(const std::string& filter);
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge);
 
-// The parts of the bench, in the order in which they run. The name of each function states which measurements
-// the function enters.
+// The parts of the bench, in the order in which they run. Each function enters the measurements of
+// its name into the report.
 //
 // Enters the measurement `direction`. A correct direction is entered only if `enter_good` is true. Returns
 // false if the motor turns in the opposite direction to its potentiometer. In that case, the motor must not

@@ -100,8 +100,9 @@ class MotorOnBench {
   void forget_telemetry();
   // Collects samples. The collection ends when the host's clock reaches the time `until`, or earlier as soon
   // as `enough` returns true. `until_s` is the end in board time, in seconds after begin_tick. A busy machine
-  // reads frames late. If the newest sample at the time `until` was taken more than 15 ms before `until_s`,
-  // collect() waits up to 100 ms longer for late frames.
+  // reads frames late. Therefore collect() also checks the samples' board times. If no sample from the last
+  // 15 ms before `until_s` has arrived by the time `until`, collect() waits up to 100 ms longer for such a
+  // sample.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

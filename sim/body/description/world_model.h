@@ -21,7 +21,8 @@ struct Kick {
 
 // Impulse on a link of the robot, at the link's center of mass.
 struct Push {
-  // If WorldModel::feet is empty, the time since the start. Otherwise, the time since the robot's first step.
+  // Time of the impulse. If WorldModel::feet is empty, the time counts from the start. Otherwise, the time
+  // counts from the robot's first step.
   double time_s = 0;
   std::string link;
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // N s, world axes

@@ -55,8 +55,9 @@ class XmlFile {
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 
-// Parses exactly `count` finite numbers separated by whitespace. Returns nullopt if `text` contains fewer or
-// more numbers, or anything that is not a finite number. The locale of the process has no effect.
+// Parses exactly `count` finite numbers separated by whitespace. If the number of values in `text` is not
+// `count`, returns nullopt. If a value is not a finite number, also returns nullopt. The locale of the
+// process has no effect.
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count);
 
 }  // namespace kaz::sim

@@ -89,8 +89,8 @@ class JointMotor {
   friend constexpr Regime last_value(Regime) { return Regime::backward; }
   struct State {
     Regime regime = Regime::held;
-    // True: the rotor has stopped, but `rotor_angle` is not yet the angle at which the rotor is held. The
-    // next prepare() sets `rotor_angle` to this angle.
+    // True: the rotor has just stopped. If the rotor does not move again, the next prepare() sets
+    // `rotor_angle` to the angle at which the rotor is held.
     bool stopped = true;
     double rotor_angle = 0, rotor_speed = 0;
     double torque = 0, torque_before = 0;  // torques on the joint in the last two steps, Nm

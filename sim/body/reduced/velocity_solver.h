@@ -14,7 +14,7 @@
 // Friction uses a cone, not a pyramid. Each contact has a tangential spring in series with the friction. The
 // stretch of this spring is kept from step to step.
 //
-// For fixed radii mu l_n of the friction discs, the expression M v - p - sum J^T l(J v) is the gradient of a
+// If the radii of the friction discs are fixed, the left side of the first equation is the gradient of a
 // convex function of v. The convex function is piecewise smooth, and quadratic where no contact slips.
 // Newton's method with an exact line search converges in few iterations, even if many points share a load.
 // After each iteration the radii are updated from l_n. The result satisfies Coulomb's law.
@@ -155,9 +155,9 @@ class VelocitySolver {
     // at the last factorization of H.
     std::uint8_t pattern = 0, factored = 0;
   };
-  // An island owns one range of elements in each of pair_list_, point_list_ and bounded_list_. Members
-  // contains the end of each range: the index after the last element. Each range begins at the end of the
-  // previous island's range.
+  // An island owns one range of elements in each of pair_list_, point_list_ and bounded_list_. For
+  // each of these ranges, the struct Members contains the index after the last element. Each range begins at
+  // the end of the previous island's range.
   struct Members {
     int pairs = 0, points = 0, bounded = 0;
   };
@@ -239,8 +239,8 @@ class VelocitySolver {
   // The island being solved.
   std::size_t island_ = 0;
   std::span<const int> its_pairs_, its_points_, its_bounded_;
-  // The inertia's part of the slope along the search direction is a linear function of the step length. The
-  // value of this function at step length 0 is start_slope_, and the derivative is curve_.
+  // The function slope() computes a sum. The terms for inertia and momentum in this sum add up to:
+  // start_slope_ + length * curve_.
   double start_slope_ = 0, curve_ = 0;
   // Element i describes bounded row i at the last factorization of a matrix. The element is 1 if the row's
   // impulse was between Bounded::min and Bounded::max, else 0. For calm_yields_, the matrix consists of the
@@ -248,9 +248,9 @@ class VelocitySolver {
   std::vector<char> calm_yields_, factored_yields_;
   std::size_t calm_island_ = kNone;
   static constexpr std::size_t kNone = ~std::size_t{0};
-  // Each iteration computes a target for each friction radius from the normal impulse. Then the radius
-  // changes by relaxation_ times the difference between the target and the old radius. If relaxation_ is 1,
-  // the radius becomes equal to the target.
+  // Each iteration computes a target for each friction radius. The target is proportional to the contact's
+  // normal impulse. Then the radius changes by relaxation_ times the difference between the target and the
+  // old radius. If relaxation_ is 1, the radius becomes equal to the target.
   double relaxation_ = 1;
   int steps_ = 0;
   double residual_ = 0;

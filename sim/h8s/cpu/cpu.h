@@ -201,7 +201,8 @@ inline std::uint32_t pc_of(const Cpu& c, const Insn* ip) {
 
 // Returns the entry of Cpu::code for an address, or `outside` if the address has no memory. On the chip, the
 // function ignores bit 0 of the address. On the flat machine, the function returns `outside` for an odd
-// address. The CPU raises Fault::odd_pc when it runs this `outside`.
+// address. If the flat machine executes the entry Cpu::outside of an odd address, the CPU raises
+// Fault::odd_pc.
 const Insn* at_address(Cpu& c, std::uint32_t address);
 
 inline const Insn* record_jump(Cpu& c, const Insn* from, const Insn* to) {

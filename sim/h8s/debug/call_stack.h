@@ -15,8 +15,8 @@ struct Frame {
   std::uint32_t sp = 0;         // ER7 at entry to the function
   bool interrupt = false;
   States begin = 0;  // time of the call or of the exception entry
-  // Used only by the class Profile. States before the time `begin` in which the chip slept, plus the states
-  // of all interrupts completed before this time.
+  // Used only by the class Profile. Counts states before the time `begin`: the states in which the chip
+  // slept, plus the states of all interrupts that ended before `begin`.
   States away = 0;
 };
 

@@ -39,9 +39,9 @@ class GdbPort {
   // A client is rejected if its first bytes look like the request of a web browser (browser_guard.hpp). If a
   // client was rejected, or has disconnected before its first packet was complete, the function waits for the
   // next client. If a new client connects before the current client has sent a complete packet, the new
-  // client replaces the current client. A client could be a web browser until its first packet is
-  // complete. If a client cannot be accepted, for example because no file descriptor is free, the function
-  // retries every 100 ms.
+  // client replaces the current client. As long as a client's first packet is incomplete, the client may be
+  // GDB or a web browser. If a client cannot be accepted, for example because no file descriptor is free,
+  // the function retries every 100 ms.
   Result<void> serve(GdbServer& server, States slice = 1'000'000, int stop = -1,
                      const Report& report = {});
 

@@ -182,9 +182,9 @@ class Netlist {
 // - `pull-up NET OHMS` and `pull-down NET OHMS`.
 // - `wire NET NET ...` joins nets.
 // - `analog NET SHARE [OHMS]`: SHARE is a fraction of AVCC, 0..1.
-// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: a switch from NET to the supply or ground. Without the word
-//   `closed`, the switch is closed during each interval FROM..TO and open at all other times. With the word
-//   `closed`, the switch is open during each interval FROM..TO and closed at all other times.
+// - `switch NET vcc|gnd [closed] [FROM..TO ...]`: a switch from NET to the supply or ground. By default,
+//   the switch is normally open: it is closed only during the intervals FROM..TO. With the word `closed`, it
+//   is normally closed, and open only during the intervals.
 // - `inverter IN OUT [DELAY]`.
 // - `open-drain IN OUT`: OUT is low while IN is high.
 // - `rc IN OUT OHMS FARADS`.

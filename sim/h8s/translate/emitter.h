@@ -78,7 +78,8 @@ struct Gate {
   const void* leave_complete = nullptr;
   // Jump target for an interpreted instruction that ends its block, such as TRAPA. Arguments: rdi and rsi
   // have the same meaning as for `interpret`. Runs the instruction's handler, then the block at the address
-  // in Cpu::ip. If there is no block at this address, or if no time is left, the translated code is left.
+  // in Cpu::ip. If there is no block at this address, jumps to `leave_complete`. If the time Cpu::stop has
+  // come, or if the handler has discarded the translated code, also jumps to `leave_complete`.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -221,7 +222,8 @@ class Emitter {
   const std::vector<Block>* blocks_ = nullptr;
   const Block* block_ = nullptr;
   std::map<std::uint32_t, std::size_t> block_at_;
-  std::vector<asmjit::Label> inside_;   // for each block: entry behind the check of the time left
+  // For each block: jump target that skips the check whether time is left until Cpu::stop.
+  std::vector<asmjit::Label> inside_;
   std::vector<asmjit::Label> outside_;  // entries of the blocks for code outside the unit
   std::vector<asmjit::Label> late_;     // for each block: code that emit_late() emits
   std::vector<std::function<void()>> side_, cold_;

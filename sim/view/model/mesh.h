@@ -37,8 +37,8 @@ struct Mesh {
 enum class Detail { fine, coarse };
 
 // Makes a box with the given side lengths (m). With Detail::fine, the box gets beveled edges, which are
-// shaded as if the edges were round. At each edge, the bevel shortens both faces by 2 mm, or by 12 % of the
-// shortest side if this is less than 2 mm.
+// shaded as if the edges were round. At each edge, the bevel shortens both faces by the smaller of two
+// lengths: 2 mm, and 12 % of the box's shortest side.
 Mesh box_mesh(const Eigen::Vector3d& lengths, Detail detail = Detail::fine);
 Mesh cylinder_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);

@@ -206,8 +206,9 @@ static inline ClipPolygon clipped(const ClipPolygon& from, const std::array<doub
     if (ha >= 0) to.corners[static_cast<std::size_t>(to.count++)] = a;
     if ((ha >= 0) == (hb >= 0)) continue;
     ClipCorner& cut = to.corners[static_cast<std::size_t>(to.count++)];
-    // The interpolation always goes from the inner to the outer corner. Therefore, if a plane cuts an edge
-    // that two triangles share, both triangles get exactly the same cut point.
+    // The cut point is always interpolated from the corner that is kept to the corner that is cut off.
+    // Therefore, if a plane cuts an edge that two triangles share, both triangles get exactly the same cut
+    // point.
     const ClipCorner &in = ha >= 0 ? a : b, &out = ha >= 0 ? b : a;
     const double share = height(in) / (height(in) - height(out));
     for (std::size_t k = 0; k < 3; ++k) {

@@ -268,14 +268,14 @@ struct TextureRow {
   Along plane;
   float x0;
   // From one column to the next column, w changes to `w'`. The change of u is this fraction:
-  // `(by_u * w - by_w * u * w) / (w * w')`. The numerator of this fraction is the same at all columns of a
-  // row. The change of v is the fraction with `v` and `by_v` instead of `u` and `by_u`. In the upper row of
-  // the block, `across_u` is the numerator of the change of u, and `across_v` is the numerator of the change
-  // of v.
+  // `(by_u * w - by_w * u * w) / (w * w')`. The change of v is this fraction:
+  // `(by_v * w - by_w * v * w) / (w * w')`. The numerator of each fraction is the same at all columns of a
+  // row. In the upper row of the block, `across_u` is the numerator of the change of u, and `across_v` is
+  // the numerator of the change of v.
   float across_u, across_v;
   // From the upper to the lower row of the block, the changes of u and v are fractions, too. `down_u` is the
   // numerator of the change of u, and `down_v` is the numerator of the change of v. `down_u` and `down_v`
-  // depend on the column x: `at + by_x * (x - x0)`.
+  // have the type Slope, and their value at the column x is `at + by_x * (x - x0)`.
   Slope down_u, down_v;
   float w_upper, w_lower;  // w of the upper and lower row of the block, at x0
   float by_w;

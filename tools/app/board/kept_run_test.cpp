@@ -563,7 +563,8 @@ TEST(Recover, WithoutABoardItsMessageCountsTheAddresses) {
   board.set_power(true);
   const auto absent = recover_board(board, board, {.found_at = 3}, std::nullopt);
   ASSERT_FALSE(absent);
-  EXPECT_NE(absent.error().message.find("--found-at can be address 1"), std::string::npos)
+  EXPECT_NE(absent.error().message.find("give one of them with --found-at: address 1"),
+            std::string::npos)
       << absent.error().message;
 }
 

@@ -48,9 +48,10 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
                     "`) or in boot mode, where the board needs `kaz flash write` with --reset");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
-    return fail(Fault::usage, "no board answers at address " + std::to_string(*options.found_at) +
-                                  " on " + port + "; --found-at can be " +
-                                  host::addresses_text(found));
+    return fail(Fault::usage,
+                "no board answers at address " + std::to_string(*options.found_at) + " on " + port +
+                    "; boards answer at these addresses, so give one of them with --found-at: " +
+                    host::addresses_text(found));
   }
   if (found.size() > 1)
     std::erase_if(found,
