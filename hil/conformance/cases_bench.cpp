@@ -327,8 +327,8 @@ void add_restarts(Chapter& to) {
       kNothing);
   to.add(
       "loader",
-      "`loader` stops the application. After 3 s, the application restarts with reset "
-      "cause COMMAND.",
+      "`loader` stops the application and starts the loader. The loader runs for 3 s, and then "
+      "restarts the application with reset cause COMMAND.",
       "BENCH-7",
       [](Board& b) {
         b.done("loader", Put().u16(KZ_KEY));

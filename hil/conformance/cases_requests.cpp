@@ -221,30 +221,29 @@ void add_queue(Chapter& to) {
     check(busy, "the third request was not refused with BUSY");
     b.silence(20);
   });
-  to.add(
-      "last-of-many-busy",
-      "If two more requests arrive while two requests are pending, the fourth request is refused, "
-      "and the third request gets no reply.",
-      "REQ-10", [](Board& b) {
-        std::uint8_t number[4];
-        Bytes wire;
-        const char* const names[] = {"state", "health", "identify", "self_test"};
-        for (int n = 0; n < 4; ++n) {
-          number[n] = b.new_sequence();
-          append(wire, b.request_bytes(names[n], {}, number[n]));
-        }
-        b.write(wire);
-        b.take("state", number[0]);
-        bool last = false;
-        int answers = 0;
-        while (const auto frame = b.next(30)) {
-          ++answers;
-          check(frame->sequence != number[2], "the third of four requests was answered");
-          last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
-        }
-        equal("replies after the reply to `state`", answers, 2);
-        check(last, "the last request was not refused");
-      });
+  to.add("last-of-many-busy",
+         "If a third and a fourth request arrive while two requests are pending, the board refuses "
+         "the fourth request, and sends no reply to the third request.",
+         "REQ-10", [](Board& b) {
+           std::uint8_t number[4];
+           Bytes wire;
+           const char* const names[] = {"state", "health", "identify", "self_test"};
+           for (int n = 0; n < 4; ++n) {
+             number[n] = b.new_sequence();
+             append(wire, b.request_bytes(names[n], {}, number[n]));
+           }
+           b.write(wire);
+           b.take("state", number[0]);
+           bool last = false;
+           int answers = 0;
+           while (const auto frame = b.next(30)) {
+             ++answers;
+             check(frame->sequence != number[2], "the third of four requests was answered");
+             last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
+           }
+           equal("replies after the reply to `state`", answers, 2);
+           check(last, "the last request was not refused");
+         });
   to.add("busy-not-done", "A request refused with BUSY is not executed.", "REQ-10", [](Board& b) {
     Bytes wire = b.request_bytes("state");
     append(wire, b.request_bytes("health"));
@@ -375,8 +374,8 @@ void add_switching_off(Chapter& to) {
     to.add(
         joint == 0 ? "raw-zero-repeated" : "raw-repeated",
         joint == 0 ? "A repeated `raw_drive` with duty 0 ends a raw drive."
-                   : "A repeated `raw_drive` for motor B ends a raw drive of motor A. "
-                     "Motor B does not start.",
+                   : "If a `raw_drive` for motor B is repeated during a raw drive of motor A, the "
+                     "board ends the raw drive of motor A, and does not start motor B.",
         "REQ-12",
         [joint](Board& b) {
           b.done("unlock", Put().u16(KZ_KEY).u8(5));

@@ -137,10 +137,10 @@ class Recorder {
     if (servo_.model == nullptr) return wrong(Fault::usage, "is a model without a register table");
     const auto law = law_of(*servo_.model);
     if (!law)
-      return wrong(
-          Fault::usage,
-          "is an " + std::string(servo_.model->name) +
-              ": a log needs the duty, but the control law of this model is not published");
+      return wrong(Fault::usage, "is an " + std::string(servo_.model->name) +
+                                     ": Kaz needs the servo's control law to compute the duty for "
+                                     "the log, but the control law of this model is not "
+                                     "published");
     law_ = *law;
     record_.servo = std::string(servo_.model->name) + ", id " + std::to_string(servo_.id);
     if (KAZ_TRY(read("torque_enable")) != 0)

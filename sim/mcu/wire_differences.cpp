@@ -48,8 +48,8 @@ constexpr WireException exceptions[] = {
     {"start of a requested store or reset",
      "after the computation of the tick that handles the request",
      "5,900 states after the tick's due time",
-     "the comparison sends nothing during the store or reset, and counts times from each "
-     "requested reset anew"},
+     "the comparison sends nothing during stores and resets; after a reset, times count from "
+     "each board's restart"},
     {"input voltages",
      "`AN4` and `AN5` are sampled at any time; the other inputs are sampled 800 to 7,300 states "
      "after a tick's due time",

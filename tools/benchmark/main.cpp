@@ -106,8 +106,9 @@ int parse_and_run(int argc, char** argv) {
   auto known = engine_names();
   program
       .add_option("--engine", arguments.settings.engines,
-                  "emulator engines to measure, separated by commas. If an engine is not the "
-                  "default engine, the names of its numbers end with the engine's name")
+                  "emulator engines to measure, separated by commas. If a number is measured with "
+                  "an engine other than the default engine, the number's name ends with the "
+                  "engine's name")
       ->delimiter(',')
       ->check(CLI::IsMember(known));
   program.add_option("--repeats", arguments.settings.repeats, "number of runs for each median")

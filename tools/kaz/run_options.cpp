@@ -69,8 +69,8 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("FILE");
   verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
                   "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
-                  "without recording, and restore the state. Kaz must write the same "
-                  "recording with and without this option")
+                  "without recording, and restore the state. The recording must be "
+                  "identical to the recording of the same run without --restore-every")
       ->check(between(0.001, 1e6))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,

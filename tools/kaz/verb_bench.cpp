@@ -264,8 +264,10 @@ void add_fit(CLI::App& bench_verb, Action& action) {
   verb->add_option("REPORT", arguments->report,
                    "result.json of `kaz bench motor`, or the folder that contains result.json")
       ->required();
-  verb->add_option("--joint", arguments->joint,
-                   "joint whose motor is fitted; only needed if the report has several joints")
+  verb->add_option(
+          "--joint", arguments->joint,
+          "name of a joint in the report. The motor model is fitted to the measurements of this "
+          "joint's motor. The option is only needed if the report has several joints")
       ->type_name("NAME");
   verb->add_option("--motor-file", arguments->model.motor_file,
                    "motor file with the initial parameters (default: Kaz's motor.xml)")

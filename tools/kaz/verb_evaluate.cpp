@@ -280,9 +280,9 @@ void add_evaluate(CLI::App& program, Action& action) {
                "difficulty means more obstacles or narrower gaps");
   verb->add_option("--obstacles", c.variation.max_obstacles,
                    "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
-                   "'patterned-floor', 'plain-floor' and 'dark'. In the world 'two-balls', the "
-                   "maximum number is N / 2. In all five worlds, the minimum number is half of "
-                   "the maximum number")
+                   "'patterned-floor', 'plain-floor' and 'dark'. The world 'two-balls' has at most "
+                   "N / 2 boxes and cans. In all five worlds, the minimum number of boxes and cans "
+                   "is half of their maximum number")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();

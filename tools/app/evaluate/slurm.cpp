@@ -182,7 +182,7 @@ Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& sl
       gone = 0;
       remove_unfinished(out, slurm.tasks);
       job = KAZ_TRY(submit(out, slurm, missing));
-      progress.announce(0, "job " + job + " repeats " + task_list(missing));
+      progress.announce(0, "the new job " + job + " runs " + task_list(missing) + " again");
       continue;
     }
     progress.done();

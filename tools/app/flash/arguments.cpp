@@ -51,8 +51,8 @@ Result<void> check(const FlashArguments& arguments) {
     return fail(
         Fault::usage,
         "--robot " + arguments.port +
-            ": leave out the rate, because the loader always uses 115,200 baud, and --boot-baud "
-            "sets the rate of boot mode; give " +
+            ": the loader always uses 115,200 baud, so give no baud rate here. For boot mode, set "
+            "the baud rate with --boot-baud. Give " +
             host::robot_option(port));
   if (!arguments.writer.empty() && arguments.reset.empty())
     return fail(Fault::usage,

@@ -49,7 +49,8 @@ Result<void> check_running(FlashSession& session, Answer& answer,
                      board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
                      {"the mode switch is still at boot mode",
                       "the reset line is not connected as --reset describes"},
-                     "set the mode switch to run (MD1 high), press reset, then give `kaz status " +
+                     "set the mode switch to its run position (MD1 high), press reset, then give "
+                     "`kaz status " +
                          host::robot_option(session.port()) + "`"}));
 }
 
