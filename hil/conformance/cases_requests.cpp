@@ -241,7 +241,7 @@ void add_queue(Chapter& to) {
              check(frame->sequence != number[2], "the third of four requests was answered");
              last |= frame->sequence == number[3] && frame->type == KZ_TYPE_refused;
            }
-           equal("replies after the reply to `state`", answers, 2);
+           equal("number of replies after the reply to `state`", answers, 2);
            check(last, "the last request was not refused");
          });
   to.add("busy-not-done", "A request refused with BUSY is not executed.", "REQ-10", [](Board& b) {

@@ -21,8 +21,9 @@ class LatenessMeter final : public Link, public Clock {
   static constexpr Time kSlice = std::chrono::milliseconds(2);
   // Smallest delay that is added to total(). Shorter delays are normal (timer slack, context switches).
   static constexpr Time kNoticed = std::chrono::milliseconds(1);
-  // Thresholds of excuse(). A single delay is an excuse if it is at least kExcusing. The sum of all delays is
-  // an excuse if the sum reaches kExcusing and exceeds the fraction kExcusingShare of the time since begin().
+  // Thresholds of excuse(). A single delay excuses a failure if the delay lasts kExcusing or longer. The sum
+  // of all delays excuses a failure if the sum reaches kExcusing, and also exceeds the fraction
+  // kExcusingShare of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
   // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions

@@ -17,8 +17,8 @@
 
 namespace kaz::map {
 
-// pose_between() returns pose `to` relative to `from`. The inverse function pose_after() returns `from` moved
-// by `relative`.
+// pose_between() returns pose `to` relative to pose `from`. pose_after() is the inverse function: it moves
+// the pose `from` by `relative`.
 Eigen::Vector3d pose_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 Eigen::Vector3d pose_after(const Eigen::Vector3d& from, const Eigen::Vector3d& relative);
 

@@ -96,7 +96,7 @@ Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOpt
   } rows[] = {
       {"--gauge-error", !gauge, "is only valid with --gauge NAME=DEGREES or --only gauge"},
       {"--yes", sim,
-       "is only valid with a robot at a port, because the virtual robot moves without "
+       "is only valid with a robot at a port: the virtual robot always moves without "
        "confirmation"},
       {"--yes", gauge, "is not valid with a gauge, because no joint moves"},
       {"--json", options.dry_run, "is not valid with --dry-run, which prints its plan as text"},

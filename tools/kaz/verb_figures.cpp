@@ -79,7 +79,8 @@ void add_figures(CLI::App& program, Action& action) {
                  "print result.json on standard output, without progress messages");
   verb->footer(
       "Figure 3 shows a run of track-ball. Figures 5 and 6 show navigate, figure 7 shows a sweep "
-      "of the head, and figure 8 shows catch-ball. Figures 1, 2 and 4 show no run. Drawing all "
+      "of the head, and figure 8 shows catch-ball. kaz figures does not draw figures 1, 2 and 4, "
+      "because they show no run. Drawing all "
       "figures takes a few minutes. Each run has its own folder, such as DIR/navigate, which "
       "contains the recording (about 1.3 MB per second).\n"
       "Exit status: 0 all requested figures were drawn; 1 a run failed, or a run has too few data "

@@ -1,4 +1,4 @@
-// Finds dominant slanted planes of a disparity image by RANSAC, for a second block matching.
+// Finds dominant slanted planes of a disparity image by RANSAC, for the second pass of the block matching.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

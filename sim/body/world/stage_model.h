@@ -52,7 +52,8 @@ struct StageModel {
   // Kicks sorted by time, latest first. The next kick to apply is the last element.
   std::vector<Kick> kicks;
   // Pushes, sorted like `kicks`. For a push, Kick::step is the number of simulation steps after the robot's
-  // first footstep. If `feet` is empty, `pushes` is empty and all pushes are in `kicks`.
+  // first footstep. If `feet` is empty, the pushes are in `kicks` instead, and this vector
+  // is empty.
   std::vector<Kick> pushes;
   std::vector<int> feet;    // body numbers of the feet (WorldModel::feet)
   std::vector<int> frames;  // frames[k] is the body number of scene frame k + 1

@@ -20,10 +20,10 @@ namespace kaz::sim {
 
 // Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h).
 constexpr double kStopErp = 0.2;
-// Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With kStopSoftness and kStopErp, a stop
-// yields by 1 mrad under the motor's maximum torque of 2.4 Nm. Under this torque, a real stop of plastic on
-// steel also yields by about 1 mrad. An iterative solver leaves a residual. At a rigid stop, this residual
-// would make the joint bounce.
+// Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With kStopSoftness and kStopErp, a stop yields
+// by 1 mrad under the motor's maximum torque of 2.4 Nm. A real end stop, where plastic meets steel, also
+// yields by about 1 mrad under this torque. An iterative solver leaves a residual. At a rigid stop, this
+// residual would make the joint bounce.
 constexpr double kStopSoftness = 0.08;
 
 class StagedWorld : public World {

@@ -51,7 +51,8 @@ inline constexpr int kMaxUnits = 5;
 // Decodes the instruction at the front of `units`. Near the end of memory, `units` may have fewer than
 // kMaxUnits elements. If `normal` is true, the state counts are those of normal mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
-// Reads and decodes the instruction at the address of the entry Cpu::code[index]. Does not change this entry.
+// Reads and decodes the instruction at the memory address that Cpu::code[index] stands for. Does not change
+// this entry.
 Decoded decode_at(const Cpu& c, std::uint32_t index);
 
 // Returns the text of one instruction, such as "mov.l @(0x10:16,er6),er0", or of an undefined instruction,
