@@ -157,7 +157,7 @@ TEST(JointRange, AWholeTurnHasNoPlace) {
   RangeSweep sweep(*servo.model);
   for (int p = 0; p < 4090; p += 10) sweep.add(p);
   const auto plan = plan_range(servo, -3.13, 3.13, {0, 0, 4095, false}, sweep);
-  EXPECT_NE(plan.fault.find("no room"), std::string::npos) << plan.fault;
+  EXPECT_NE(plan.fault.find("smaller than one full turn"), std::string::npos) << plan.fault;
 }
 
 }  // namespace

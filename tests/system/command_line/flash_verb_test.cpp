@@ -236,7 +236,7 @@ TEST(FlashUsage, ARateOfThePortIsRefused) {
   for (const char* verb : {"info", "run"}) {
     const Finished refused = run(kaz({"flash", verb, "--port", "/no/such/port@9600"}));
     EXPECT_EQ(refused.exit_code, 2) << refused.err;
-    EXPECT_NE(refused.err.find("give --robot serial:/no/such/port"), std::string::npos)
+    EXPECT_NE(refused.err.find("Give --robot serial:/no/such/port"), std::string::npos)
         << refused.err;
   }
 }

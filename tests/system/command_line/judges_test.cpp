@@ -54,7 +54,7 @@ TEST_P(Liars, FailByTruth) {
                                     {"agreed", 0},
                                     {"claimed_without_success", {0}},
                                     {"success_without_claim", json::array()}}));
-  EXPECT_NE(read_file(out + "/report.html").find("was true in 0 of 1"), std::string::npos);
+  EXPECT_NE(read_file(out + "/report.html").find("correctly in 0 of 1"), std::string::npos);
   const std::string junit = read_file(out + "/junit.xml");
   EXPECT_NE(junit.find("name=\"claims_agreed\" value=\"0\""), std::string::npos) << junit;
   EXPECT_NE(junit.find("<failure"), std::string::npos) << junit;

@@ -41,7 +41,7 @@ TEST(ServoBusVerb, ServesTheExampleInPython) {
   const Finished ended = sim.wait(seconds(10));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_NE(ended.out.find("host sends at 1000000 baud"), std::string::npos) << ended.out;
-  EXPECT_NE(ended.out.find("lost 0;"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("lost: 0;"), std::string::npos) << ended.out;
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(port)));
   EXPECT_FALSE(std::filesystem::exists(port + ".ctl"));
 }

@@ -326,7 +326,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
                  {"--calibration"});
   expect_refusal(
       look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules", "flow"}), 2,
-      {"--modules flow", "pairs of files do not have"});
+      {"--modules flow", "pairs of files contain only pictures"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--robot",
                        "serial:board"}),
                  2, {"--robot", "live camera"});

@@ -356,7 +356,7 @@ TEST_F(KeptRuns, AKilledFlashWriteIsNamed) {
   sure(write_whole_file(path, text));
   const auto left = earlier_notes("test-port", folder_);
   ASSERT_EQ(left.size(), 1u);
-  EXPECT_NE(left[0].find(", or remove " + path), std::string::npos) << left[0];
+  EXPECT_NE(left[0].find(", or remove the notes in " + path), std::string::npos) << left[0];
   EXPECT_TRUE(interrupted_writes("other-port", folder_).empty());
   EXPECT_FALSE(read_kept(path)) << "kaz recover has nothing to put back";
   for (const std::size_t size : {std::size_t{0}, text.size() / 2}) {
