@@ -82,7 +82,7 @@ Result<void> check_machine(const std::string& path) {
                                 "; this machine: " + machine_text(here) + "): build it here");
 }
 
-// What a program takes for granted of a behavior.
+// Checks that the behavior of a plug-in has a name and a function, and that its name is not taken.
 Result<void> check_behavior(const Behavior* behavior, const std::string& path) {
   if (behavior == nullptr || behavior->run == nullptr || behavior->name.empty())
     return fail(Fault::usage,

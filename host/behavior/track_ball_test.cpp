@@ -92,7 +92,7 @@ TEST_P(TrackPath, HeadStaysWithinThreeDegrees) {
   const double share = ball.share_within(3 * kDegree, begin, board.now());
   RecordProperty("share_within_3deg", std::to_string(share));
   EXPECT_GE(share, GetParam().share);
-  // What the behavior claims from its pictures agrees with the truth.
+  // The share that the behavior measures in its pictures agrees with ground truth.
   EXPECT_NEAR(measurement(*outcome, "tracking_within_3deg"), share, 0.03);
 }
 

@@ -132,7 +132,7 @@ def check_takers():
     for name in TAKERS:
         if not (ROOT / name).exists():
             faults.append(f"tests/repository/independent.py: there is no {name}")
-    # What a behavior is given is assembled in one function, without the simulation.
+    # One function assembles the context of a behavior; the context must not contain the simulation.
     begin = code("tools/app/session/session.cpp").split("behavior::Context context{", 1)
     if len(begin) != 2:
         faults.append("tools/app/session/session.cpp: `behavior::Context context{` is not found, where a "

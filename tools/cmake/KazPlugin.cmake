@@ -1,4 +1,4 @@
-# What plug-ins with behaviors need (docs/howto/own-behavior.md): the id of the headers that they are compiled with,
+# Plug-ins with behaviors (docs/howto/own-behavior.md) need the id of the headers that they are compiled with,
 # and the package kazPlugin, which finds these headers in the build tree. KazInstall installs both.
 set(KAZ_INTERFACE_HEADER ${PROJECT_BINARY_DIR}/generated/kaz_interface.h)
 file(GLOB_RECURSE interface_headers CONFIGURE_DEPENDS

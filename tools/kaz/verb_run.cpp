@@ -139,7 +139,7 @@ std::string examples_of(const behavior::Behavior* behavior) {
   return begin + " --set " + std::string(first.name) + "=" + std::string(first.initial) + "\n";
 }
 
-// What help says after the options: of a behavior its own options, else which behaviors there are.
+// Returns the end of the help text: the options of `behavior`, or the list of behaviors if it is null.
 std::string footer(const behavior::Behavior* behavior) {
   std::string text;
   if (behavior != nullptr) {

@@ -110,7 +110,7 @@ void hear(Pipeline& pipeline, const std::string& module, Heard& heard) {
       }));
 }
 
-// Of the ball, as a behavior has it.
+// A pipeline with the color module and a subscriber, as a behavior uses them to find the ball.
 struct Balls {
   explicit Balls(const PipelineOptions& options, Time latency = milliseconds(5))
       : pipeline(options) {

@@ -124,8 +124,8 @@ Truth truth_of(const Json& status) {
   return truth;
 }
 
-// What `kaz sim` reports while the behavior runs, up to its end: then it switches the motors off. Looks
-// without motors count only if they come on again.
+// Passes the states that `kaz sim` reports during the run to the judge. States with motors off count only if
+// the motors come on again later, because a behavior switches the motors off at its end.
 class RealTimeLooks {
  public:
   explicit RealTimeLooks(Judge& judge) : judge_(judge) {}
@@ -210,9 +210,8 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
                 {"run", options.behavior, "--robot", "serial:" + board, "--json"}};
   if (sees) {
     both.simulator.insert(both.simulator.end(), {"--cameras", eyes});
-    both.behavior.insert(both.behavior.end(),
-                          {"--camera", eyes, "--color", color_file, "--radius",
-                           std::to_string(scenario.ball_radius_m)});
+    both.behavior.insert(both.behavior.end(), {"--camera", eyes, "--color", color_file, "--radius",
+                                               std::to_string(scenario.ball_radius_m)});
   }
   if (backend.imu) both.simulator.push_back("--imu");
   if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
@@ -262,9 +261,9 @@ double number_of(const Json& json, const char* key) {
 // How both programs ended.
 struct Ends {
   std::optional<int> behavior;  // exit status of `kaz run`, none if time ran out
-  bool ended_early;              // `kaz sim`, during the run
-  int simulator;                 // its exit status
-  double worst_gap_s;            // RealTimeLooks
+  bool ended_early;             // `kaz sim`, during the run
+  int simulator;                // its exit status
+  double worst_gap_s;           // RealTimeLooks
 };
 
 // The machine was late by a second, as a run at a port counts it (run_lateness.h): then neither a failure

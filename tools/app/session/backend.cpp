@@ -1,4 +1,4 @@
-// What a behavior runs on: the virtual robot in lockstep, or a board on a serial port.
+// Backends of a run: the virtual robot in lockstep, boards at ports, or a servo bus.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/session/backend.h"
 #include "sim/runtime/simulation/recording_tap.h"

@@ -148,7 +148,7 @@ figure::PlotPage tracking_page(const RunReport& report) {
   return page;
 }
 
-// Of a behavior with a map. Returns whether there is one.
+// Writes the map as a picture. Returns false if the behavior has no map.
 Result<bool> write_map(const RunReport& report, const OutputFolder& folder) {
   if (report.map == nullptr || !*report.map) return false;
   KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
@@ -196,8 +196,8 @@ const char* word_of(const RunReport& report) {
   return report.outcome.success ? "done" : "failed";
 }
 
-// What the score adds to the outcome's sentence: ", by ground truth 98.2 %". A behavior that tracks states
-// vision's share itself, of the pictures that a score without ground truth is made of, too.
+// Returns the text that follows the outcome's sentence: ", by ground truth 98.2 %". Without ground truth, the
+// score uses the same pictures as a tracking behavior, whose sentence already states this share.
 std::string score_text(const RunReport& report) {
   if (!report.score.found_s || !report.score.within_3deg) return "";
   const bool by_truth = report.score.measured_by == "truth";

@@ -152,7 +152,7 @@ class WatchedClock final : public host::Clock {
   host::Interrupt& interrupt_;
 };
 
-// What is asked of the behavior, recorded so that a replay asks it again.
+// Records the requests to the behavior, so that a replay can repeat them.
 class RecordedRequests final : public behavior::Requests {
  public:
   RecordedRequests(const std::function<std::vector<std::string>(Time)>& source, Listener& listener)
@@ -504,7 +504,7 @@ void Session::run_behavior(behavior::Context& context) {
   }
 }
 
-// What a behavior returns is completed, and agrees with whether there was an interrupt.
+// Completes the outcome of the behavior, and makes it agree with a received interrupt.
 void Session::check_outcome() {
   if (received_signal() != 0 && interrupt_.requested()) {
     outcome_ = tl::unexpected(host::Interrupt::error());
