@@ -98,7 +98,7 @@ class Reader {
       if (!number || !(*number >= one.low && *number <= one.high)) {
         char bounds[80];
         std::snprintf(bounds, sizeof bounds, "must be %g to %g", one.low, one.high);
-        return wrong(name + " is '" + one_line(value) + "': " + bounds);
+        return wrong(name + " is '" + cut_text(one_line(value)) + "': " + bounds);
       }
       if (set_[i]) return wrong(name + " occurs twice; remove one");
       set_[i] = true;
@@ -139,7 +139,7 @@ class Reader {
         if (!number || !(std::abs(*number) <= one.most)) {
           char bounds[80];
           std::snprintf(bounds, sizeof bounds, "must be %g to %g", -one.most, one.most);
-          return wrong(columns_[i] + " is '" + one_line(fields[i]) + "': " + bounds);
+          return wrong(columns_[i] + " is '" + cut_text(one_line(fields[i])) + "': " + bounds);
         }
         now.*one.at = *number;
       }

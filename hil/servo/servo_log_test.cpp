@@ -54,6 +54,9 @@ TEST(ServoLogs, WhatIsWrongIsNamedWithItsLine) {
   };
   for (const auto& [text, part] : wrong)
     EXPECT_NE(error_of(text).find(part), std::string::npos) << part << ": " << error_of(text);
+  const std::string long_value(5000, '\xb0');
+  EXPECT_LT(error_of("# mass_kg " + long_value).size(), 200u);
+  EXPECT_LT(error_of(kHead + "0," + long_value + ",0,5\n").size(), 200u);
 }
 
 }  // namespace

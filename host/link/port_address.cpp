@@ -44,7 +44,8 @@ std::string read_host(std::string_view text, PortAddress& address) {
     text = colon == std::string_view::npos ? std::string_view() : text.substr(colon);
   }
   if (host.empty()) return "the host is missing";
-  if (std::ranges::any_of(host, [](char c) { return c <= ' ' || c == '/' || c == 0x7f; }))
+  if (std::ranges::any_of(host,
+                          [](char c) { return c <= ' ' || c == '/' || c == '@' || c == 0x7f; }))
     return "the host name has invalid characters";
   if (!text.starts_with(':')) return "the port number is missing";
   const auto port = parse_number<int>(text.substr(1));
@@ -87,7 +88,11 @@ std::string read_place(std::string_view text, PortAddress& address) {
 }  // namespace
 
 std::string PortAddress::name() const {
-  if (kind == PortKind::serial) return place;
+  if (kind == PortKind::serial) {
+    // The bare path, unless it would be parsed as something else.
+    std::string text = names_port_kind(place) ? "serial:" + place : place;
+    return place.find('@') == std::string::npos ? text : text + "@" + std::to_string(baud);
+  }
   if (kind == PortKind::can) return "can:" + place;
   const bool v6 = place.find(':') != std::string::npos;
   std::string text = kind == PortKind::tcp ? "tcp:" : "rfc2217:";

@@ -24,8 +24,8 @@ struct PortAddress {
   std::uint16_t tcp_port = 0;  // for tcp and rfc2217
   int baud = KZ_BAUD;          // for serial and rfc2217
 
-  // Name for messages, without the bit rate: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000".
-  // parse_port_address() accepts this name.
+  // Name for messages: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000". parse_port_address() accepts this name
+  // and returns the same port. The name has no bit rate, except if the path contains '@'.
   std::string name() const;
 };
 

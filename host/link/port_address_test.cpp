@@ -36,6 +36,20 @@ TEST(PortAddress, HasFourKinds) {
   EXPECT_EQ(read("rfc2217:[fe80::1]:7217@57600").baud, 57600);
 }
 
+TEST(PortAddress, ItsNameIsTheSamePort) {
+  for (const char* text :
+       {"/dev/ttyUSB0", "board@left@9600", "serial:can:can0", "serial:tcp:a:1@9600@57600",
+        "can:can0", "tcp:[::1]:7000", "rfc2217:bench:7217"}) {
+    const PortAddress port = read(text), again = read(port.name());
+    EXPECT_EQ(again.kind, port.kind) << text;
+    EXPECT_EQ(again.place, port.place) << text;
+    EXPECT_EQ(again.tcp_port, port.tcp_port) << text;
+    EXPECT_EQ(again.name(), port.name()) << text;
+  }
+  EXPECT_EQ(read("board@left@9600").name(), "board@left@9600");
+  EXPECT_EQ(read("serial:can:can0").name(), "serial:can:can0");
+}
+
 TEST(PortAddress, EachMistakeHasItsSentence) {
   const std::pair<const char*, const char*> kMistakes[] = {
       {"serial:", "the path of the port is missing"},
@@ -53,6 +67,7 @@ TEST(PortAddress, EachMistakeHasItsSentence) {
       {"tcp:::1:7000", "put an IPv6 address in brackets, as in tcp:[::1]:7000"},
       {"tcp:[::1:7000", "the IPv6 address has no closing bracket"},
       {"rfc2217:a b:7000", "the host name has invalid characters"},
+      {"rfc2217:a@b:7000@9600", "the host name has invalid characters"},
   };
   for (const auto& [text, sentence] : kMistakes) {
     const auto address = parse_port_address("--robot", text);

@@ -106,12 +106,14 @@ struct Reader {
         const bool settable =
             reg != nullptr && reg->writable && reg->eeprom && name != "id" && name != "baud_rate";
         if (!settable)
-          return error("\"" + name + "\" in \"settings\" must be a writable EEPROM register of " +
+          return error("\"" + cut_text(name) +
+                       "\" in \"settings\" must be a writable EEPROM register of " +
                        std::string(servo.model->name) + " other than id and baud_rate");
         const double number = value.is_number() ? value.get<double>() : NAN;
         if (!(std::floor(number) == number && std::abs(number) < 2e9) ||
             !reg->allows(static_cast<int>(number)))
-          return error("\"" + name + "\" in \"settings\" has a value that the register of " +
+          return error("\"" + cut_text(name) +
+                       "\" in \"settings\" has a value that the register of " +
                        std::string(servo.model->name) + " does not accept");
       }
       settings.push_back({name, value.get<int>()});
@@ -149,7 +151,7 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
     file.servos.push_back(KAZ_TRY(reader.servo(one, file.protocol)));
     const std::string& joint = file.servos.back().joint;
     if (std::ranges::count(file.servos, joint, &BusServo::joint) > 1)
-      return reader.error("the joint \"" + joint + "\" has two servos");
+      return reader.error("the joint \"" + cut_text(joint) + "\" has two servos");
   }
   file.settings = KAZ_TRY(reader.settings(all, file.servos));
   return file;
@@ -163,7 +165,8 @@ Result<BusFile> load_bus_file(const std::string& urdf_path) {
   const std::string path = bus_file_path(urdf_path);
   const auto text = KAZ_TRY(read_whole_file(
       path, kMaxBytes,
-      "a robot on a servo bus needs this file beside its URDF; see docs/reference/servo-bus.md"));
+      "a robot on a servo bus needs the file bus.json in the folder of its URDF; see "
+      "docs/reference/servo-bus.md"));
   return parse_bus_file(path, text);
 }
 

@@ -36,17 +36,19 @@ TEST(BusFile, RateAndSettingsOfDynamixels) {
   EXPECT_EQ(set_up->baud, 4'000'000);
   ASSERT_EQ(set_up->settings.size(), 1u);
   EXPECT_EQ(set_up->settings[0].name, "return_delay_time");
-  const std::pair<const char*, const char*> wrong[] = {
+  const std::pair<std::string, const char*> wrong[] = {
       {R"("baud": 128000,)", "\"baud\" is not a bit rate"},
       {R"("settings": 1,)", "\"settings\" is not an object"},
       {R"("settings": {"id": 3},)", "\"id\" in \"settings\" must be a writable EEPROM register"},
       {R"("settings": {"torque_enable": 1},)", "\"torque_enable\""},
       {R"("settings": {"operating_mode": 2},)", "a value that the register"},
-      {R"("settings": {"operating_mode": "3"},)", "a value that the register"}};
+      {R"("settings": {"operating_mode": "3"},)", "a value that the register"},
+      {R"("settings": {")" + std::string(5000, 'a') + R"(": 3},)", "aaa...\" in \"settings\""}};
   for (const auto& [more, reason] : wrong) {
     const auto parsed = parse_bus_file("bus.json", file(more));
     ASSERT_FALSE(parsed) << more;
     EXPECT_NE(parsed.error().message.find(reason), std::string::npos) << parsed.error().message;
+    EXPECT_LT(parsed.error().message.size(), 400u);
   }
 }
 

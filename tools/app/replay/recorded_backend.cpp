@@ -1,7 +1,6 @@
 // How a run was put together, as its recording states it.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/app/replay/recorded_backend.h"
-#include "sim/runtime/formats/little_endian.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +9,7 @@
 
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/enum_names.hpp"
+#include "shared/base/one_line.hpp"
 #include "shared/board/board.h"
 #include "sim/runtime/formats/little_endian.h"
 #include "tools/app/vision/color_file.h"
@@ -100,11 +100,11 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
     return found == recording.facts.end() ? std::string() : found->second;
   };
   const auto wrong = [&](const std::string& why) {
-    return fail(Fault::usage,
-                name + ": " + why + "; give a recording of this version's `kaz run` or `kaz demo`");
+    return fail(Fault::usage, name + ": " + one_line(why) +
+                                  "; give a recording of this version's `kaz run` or `kaz demo`");
   };
   if (const std::string port = fact("port"); !port.empty())
-    return fail(Fault::usage, name + ": it was recorded at the port " + port +
+    return fail(Fault::usage, name + ": it was recorded at the port " + cut_text(one_line(port)) +
                                   ", so its board and world cannot be simulated again; use kaz "
                                   "compare to compare it with another run");
   const Json backend = object_of(fact("backend")), settings = object_of(fact("settings"));
@@ -113,7 +113,8 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
   if (result.behavior.empty() || !backend.is_object() || !settings.is_object())
     return wrong("its behavior, settings or backend are missing");
   for (const auto& [key, value] : settings.items()) {
-    if (!value.is_string()) return wrong("the setting `" + key + "` of its behavior must be text");
+    if (!value.is_string())
+      return wrong("the setting `" + cut_text(key) + "` of its behavior must be text");
     result.settings[key] = value.get<std::string>();
   }
   std::string misfit;

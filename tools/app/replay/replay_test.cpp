@@ -96,6 +96,20 @@ TEST(RecordedBackend, ReadsEachKey) {
   EXPECT_TRUE(read->backend.suspended);
 }
 
+TEST(RecordedBackend, ItsErrorsAreShortAndHaveOneLine) {
+  const std::string long_text = "\r\n" + std::string(5000, 'a');
+  auto recording = with_backend("{}");
+  for (const char* fact : {"port", "settings", "backend"}) {
+    const bool is_port = std::string_view(fact) == "port";
+    auto hostile = recording;
+    hostile.facts[fact] = is_port ? long_text : nlohmann::json{{long_text, 1}}.dump();
+    const auto read = recorded_backend(hostile, "run.mcap");
+    ASSERT_FALSE(read) << fact;
+    EXPECT_LT(read.error().message.size(), 400u) << fact;
+    EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
+  }
+}
+
 TEST(RecordedBackend, ReadsTheMcuOfOlderRecordings) {
   const auto read = recorded_backend(
       with_backend(R"({"world":"ball","engine":"native","sensors":"nominal","eyes":"ideal"})"),
