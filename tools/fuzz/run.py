@@ -7,12 +7,12 @@ Runs N targets at a time. SECONDS of N cores are divided equally between the tar
 each target. Both are CPU time: beside other programs a target runs for longer, not for less.
 
 OUT/runs.jsonl records CPU time and executions of each target every minute, with the target's version: a
-hash of the code of its parsers and of its own, without comments and includes. A target that has had its
-time in its present version is not run again, so the same command continues an interrupted campaign; more
-SECONDS extend it. The corpus in OUT/NAME grows from run to run. A failing input stays in OUT/NAME-crash-*
-and the like, its log in OUT/NAME-found-*.log, and the other targets go on. --status lists the recorded
-time. --table measures how much of each parser the corpora and the seeds reach, and writes the targets' rows
-of the table in docs/howto/fuzzing.md.
+hash of the code of its parsers and of its own, without comments, includes and messages. A target that has
+had its time in its present version is not run again. The same command thus continues an interrupted
+campaign, and more SECONDS extend it. The corpus in OUT/NAME grows from run to run. A failing input stays in
+OUT/NAME-crash-* and the like, its log in OUT/NAME-found-*.log, and the other targets go on. --status lists
+the recorded time. --table measures how much of each parser the corpora and the seeds reach, and writes the
+targets' rows of the table in docs/howto/fuzzing.md.
 
 Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
 missing, 130 interrupted, nothing found."""
@@ -60,12 +60,24 @@ def manifest():
     return targets, reads
 
 
+TOKEN = re.compile(rb"""R"(?P<d>[^()\\\s]{0,16})\(.*?\)(?P=d)"|\b\d[\w.]*(?:'\w+[\w.]*)*"""
+                   rb"""|'(?:[^'\\\n]|\\.)+'|(?P<text>(?:"(?:[^"\\\n]|\\.)*"\s*)+)""", re.DOTALL)
+WORDS = re.compile(rb"[a-z] [a-z]")
+
+
 @functools.cache
 def code(path):
-    """The file without comments, layout and includes: a change of these needs no new campaign."""
+    """The file without comments, layout, includes and words: a change of these needs no new campaign."""
     bare = subprocess.run(["g++", "-fpreprocessed", "-dD", "-E", "-P", "-x", "c++", path],
                           capture_output=True, check=True).stdout
-    return b" ".join(re.sub(rb"^#include .*(?<!\.def\")$", b"", bare, flags=re.M).split())
+    bare = re.sub(rb"^#include .*(?<!\.def\")$", b"", bare, flags=re.M)
+    # A text with two words in a row is a part of a message.
+    return b" ".join(TOKEN.sub(without_words, bare).split())
+
+
+def without_words(token):
+    joined = re.sub(rb'(?<!\\)"\s*"', b"", token[0])
+    return b'"" ' if token["text"] and WORDS.search(joined) else token[0]
 
 
 def version(name, target, reads):
@@ -368,4 +380,5 @@ def main():
     return write_table(options, targets, reads, all_targets) if options.table else fuzz(options, targets)
 
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,5 +1,6 @@
 # Findings are reported and kept, also when the run is interrupted at the same time; time is CPU time.
 # SPDX-License-Identifier: Apache-2.0
+import importlib.util
 import json
 import pathlib
 import re
@@ -121,6 +122,29 @@ class Runs(unittest.TestCase):
                              stdout=subprocess.PIPE, text=True, timeout=HANG_S)
         self.assertEqual(run.returncode, 0, run.stdout)
         return run.stdout
+
+
+class Versions(unittest.TestCase):
+    def code(self, text):
+        spec = importlib.util.spec_from_file_location("run", RUN)
+        run = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(run)
+        with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
+            file.write(text)
+            file.flush()
+            return run.code(pathlib.Path(file.name))
+
+    def test_comments_and_messages_are_not_code(self):
+        one = self.code('if (c == \'"\' && n > 1\'000) fail("not a \\"key\\"" + key); // a comment\n')
+        other = self.code('if (c == \'"\' && n > 1\'000)\n  fail("an unknown "\n "key " + key);\n')
+        self.assertEqual(one, other)
+
+    def test_other_texts_are_code(self):
+        for text in ('key == "torque"', 'text == R"(two words)"', "n > 1'000", "c == 'x'",
+                     'f("not a key", key)'):
+            other = text.replace("torque", "speed").replace("two", "too").replace("000", "001")
+            other = other.replace("'x'", "'y'").replace(", key", ", name")
+            self.assertNotEqual(self.code(text), self.code(other), text)
 
 
 if __name__ == "__main__":
