@@ -72,7 +72,8 @@ def code(path):
                           capture_output=True, check=True).stdout
     bare = re.sub(rb"^#include .*(?<!\.def\")$", b"", bare, flags=re.M)
     # A text with two words in a row is a part of a message.
-    return b" ".join(TOKEN.sub(without_words, bare).split())
+    words = b" ".join(TOKEN.sub(without_words, bare).split())
+    return re.sub(rb" ?([(){},;?:+=]) ?", rb"\1", words)
 
 
 def without_words(token):

@@ -136,7 +136,7 @@ class Versions(unittest.TestCase):
 
     def test_comments_and_messages_are_not_code(self):
         one = self.code('if (c == \'"\' && n > 1\'000) fail("not a \\"key\\"" + key); // a comment\n')
-        other = self.code('if (c == \'"\' && n > 1\'000)\n  fail("an unknown "\n "key " + key);\n')
+        other = self.code('if (c == \'"\' && n > 1\'000)\n  fail(\n "an unknown "\n "key " + key);\n')
         self.assertEqual(one, other)
 
     def test_other_texts_are_code(self):
