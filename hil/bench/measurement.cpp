@@ -134,8 +134,8 @@ Result<Limits> parse_limits(const std::string& json, const std::string& file_nam
   const bool listed = all.is_array();
   if (!all.is_object() && !listed) {
     return wrong(file_name,
-                 "it must be an object with measurements by name, or a list from `kaz bench list "
-                 "--json`");
+                 "it must be an object with names of measurements as keys, or a list from `kaz "
+                 "bench list --json`");
   }
   if (all.empty())
     return wrong(file_name,

@@ -249,8 +249,8 @@ Result<void> ExaminedServo::identify(bool release) {
       return refuse("does not confirm that its torque is off: cut its power");
     if (!release && value(torque_row(*table_)) != 0)
       return refuse(
-          "has its torque on, and its load would fall: end the program that drives it, or give "
-          "--release");
+          "has its torque on: end the program that drives it, or give --release to switch the "
+          "torque off (the load then falls)");
     const ServoRow& level =
         *table_->find({"Status Return Level", "response status level", "response level"});
     const long all = family_ == ServoFamily::dynamixel ? 2 : 1;

@@ -123,7 +123,7 @@ void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_
   if (request_sent == sent_.end() || request_sent->second.unanswered.empty()) {
     if (!faulty_)
       wrong(what + number + " came " +
-            (request_sent == sent_.end() ? "to no request" : "once more than it was requested"));
+            (request_sent == sent_.end() ? "to no request" : "more often than it was requested"));
     return;
   }
   request_sent->second.unanswered.pop_front();

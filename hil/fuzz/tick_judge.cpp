@@ -77,7 +77,7 @@ void TickJudge::tick(const kz_tick_input& input, const kz_servo& servo,
                      const kz_tick_output& output) {
   ++ticks_;
   if (output.tx_count > KZ_TX_PER_TICK || output.tx_count > input.tx_room)
-    wrong(servo, -1, "more bytes are sent than there is room for");
+    wrong(servo, -1, "the tick sends more bytes than there is room for");
   judge_requests(input, servo);
   judge_outputs(servo, output);
   for (int j = 0; j < KZ_JOINTS; ++j) judge_joint(servo, j);
@@ -111,7 +111,7 @@ void TickJudge::judge_requests(const kz_tick_input& input, const kz_servo& servo
   const bool on = servo.enabled != 0 || servo.raw_ms != 0;
   if (on && stopped) wrong(servo, -1, "motors are on after `stop`");
   if (on && off && servo.refusals == refusals_)
-    wrong(servo, -1, "motors are on after `enable` of none");
+    wrong(servo, -1, "motors are on after `enable` with an empty mask");
   refusals_ = servo.refusals;
 }
 
@@ -122,19 +122,20 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
       (servo.enabled != 0 || drivers_on(output)))
     wrong(servo, -1, "motors are on in spite of shutdown " + std::to_string(servo.shutdown));
   if ((servo.enabled & ~static_cast<u32>(KZ_ALL_JOINTS)) != 0)
-    wrong(servo, -1, "joints are on that there are not");
+    wrong(servo, -1, "joints are on that do not exist");
   if (raw && servo.enabled != 0) wrong(servo, -1, "raw drive while joints are on");
   if (servo.enabled == 0 && !raw) {
-    if (drivers_on(output)) wrong(servo, -1, "all joints are off, and the drivers are on");
+    if (drivers_on(output)) wrong(servo, -1, "all joints are off, but the motor drivers are on");
     const bool any =
         std::any_of(std::begin(output.pw), std::end(output.pw), [](u8 v) { return v; }) ||
         output.tmo[0] != 0 || output.tmo[1] != 0;
-    if (any) wrong(servo, -1, "all joints are off, and a motor has drive");
+    if (any) wrong(servo, -1, "all joints are off, but a motor is driven");
   }
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const int drive = drives[static_cast<std::size_t>(j)];
     const bool on = (servo.enabled >> j & 1) != 0 || (raw && servo.raw_joint == j);
-    if (drive != 0 && !on) wrong(servo, j, "is off and has drive " + std::to_string(drive));
+    if (drive != 0 && !on)
+      wrong(servo, j, "is off, but its motor is driven with " + std::to_string(drive));
     judge_limit(servo, j, drive);
   }
 }
@@ -164,9 +165,10 @@ void TickJudge::judge_joint(const kz_servo& servo, int number) {
   const kz_board_joint& board = kz_board_joints[number];
   Before& before = before_[static_cast<std::size_t>(number)];
   if (joint.lower > joint.upper || joint.lower < board.lower || joint.upper > board.upper)
-    wrong(servo, number, "has soft limits outside those of its mechanics");
+    wrong(servo, number, "has soft limits outside its mechanical limits");
   const bool on = (servo.enabled >> number & 1) != 0;
-  if (on != (joint.on != 0)) wrong(servo, number, "is on and off at once");
+  if (on != (joint.on != 0))
+    wrong(servo, number, "is on in one place of the state and off in another");
   if (started_ && on && before.on) {
     const int step = joint.command - before.command;
     before.ramp = std::max<int>(before.ramp, joint.ramp_limit);

@@ -268,7 +268,8 @@ std::string errors_text(std::uint8_t errors, Protocol protocol) {
       Bit{dynamixel::kVoltageError, "its voltage is out of bounds"},
       Bit{dynamixel::kTemperatureError, "it is too hot"},
       Bit{dynamixel::kEncoderError, "its position sensor fails"},
-      Bit{dynamixel::kShockError, "its circuit had an electrical shock"},
+      Bit{dynamixel::kShockError,
+          "its circuit had an electrical shock, or its supply is too weak for the motor"},
       Bit{dynamixel::kOverloadError, "it is overloaded"}};
   std::string text;
   const auto add = [&](std::span<const Bit> bits) {
@@ -309,30 +310,31 @@ std::vector<ScanRemark> remarks_on(const ScannedServo& servo, Protocol protocol)
   if (servo.damaged >= 3 && 4 * servo.damaged >= servo.requests) {
     std::snprintf(
         text, sizeof text,
-        "%d of %d answers are damaged, perhaps because two servos have this id: connect one "
-        "alone and give it another id",
+        "%d of %d answers are damaged, perhaps because two servos have this id: connect one alone "
+        "and give it another id",
         servo.damaged, servo.requests);
     all.push_back({true, text});
   } else if (bad > 0) {
     std::snprintf(
         text, sizeof text,
-        "%d requests: %d without an answer, %d damaged answers: check plugs, cable length "
-        "and supply",
+        "%d requests: %d without an answer, %d damaged answers: check plugs, cable length and "
+        "supply",
         servo.requests, servo.lost, servo.damaged);
     all.push_back({true, text});
   }
   if (servo.late > 0) {
     std::snprintf(
         text, sizeof text,
-        "%d unanswered requests are inconclusive because this machine was late: end other "
-        "programs and scan again",
+        "%d unanswered requests are inconclusive because this machine was late: end other programs "
+        "and scan again",
         servo.late);
     all.push_back({false, text});
   }
   if (servo.number >= 0 && servo.model == nullptr)
     all.push_back({false, "Kaz has no register table for this model"});
   if (servo.return_delay_s > 20e-6) {
-    std::snprintf(text, sizeof text, "waits %.0f us before each answer: %s 0 makes cycles shorter",
+    std::snprintf(text, sizeof text,
+                  "waits %.0f us before each answer: set its register %s to 0 for shorter cycles",
                   1e6 * servo.return_delay_s,
                   protocol == Protocol::feetech ? "return_delay" : "return_delay_time");
     all.push_back({false, text});

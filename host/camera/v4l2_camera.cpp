@@ -257,12 +257,12 @@ V4l2Statistics V4l2Camera::statistics() const {
 std::string V4l2Camera::summary() const {
   const V4l2Statistics counted = statistics();
   const std::pair<std::uint64_t, const char*> losses[] = {
-      {counted.not_taken, "pairs dropped for newer ones"},
+      {counted.not_taken, "pairs dropped because a newer pair came"},
       {counted.without_partner, "pictures without partner"},
       {counted.damaged, "pictures damaged"},
       {counted.out_of_order, "pictures out of order"},
       {counted.lost, "pictures lost by the driver"},
-      {counted.ahead, "pictures stamped after they arrived"}};
+      {counted.ahead, "pictures with a time stamp later than their arrival"}};
   std::string text = mode(EyeSide::left) + "; " + std::to_string(counted.pairs) + " pairs";
   for (const auto& [count, what] : losses)
     if (count > 0) text += ", " + std::to_string(count) + " " + what;

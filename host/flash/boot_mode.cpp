@@ -79,7 +79,8 @@ Result<void> Boot::greet() {
     answer = byte;
   }
   if (answer != 0) {
-    return failure("the first step (bit rate)", "H'00 in answer to H'00 at " + rate(), answer,
+    return failure("the first step (bit rate)",
+                   "the byte H'00 as the reply to the byte H'00 at " + rate(), answer,
                    {"the board is not in boot mode: set the mode switch, then reset the board",
                     "wrong port, or TxD and RxD are swapped", "the board has no power",
                     "the board's crystal does not support " + rate() + "; try --boot-baud 4800"});

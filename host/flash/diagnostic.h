@@ -10,9 +10,9 @@
 namespace kaz::host {
 
 struct Diagnostic {
-  std::string what;                 // problem, such as "boot mode failed at H'55"
-  std::string expected;             // such as "H'00 in answer to H'00 at 9600 baud"
-  std::string came;                 // bytes or values received, such as "4b 80 00"
+  std::string what;      // problem, such as "boot mode failed at H'55"
+  std::string expected;  // such as "the byte H'00 as the reply to the byte H'00 at 9600 baud"
+  std::string came;      // bytes or values received, such as "4b 80 00"
   std::vector<std::string> causes;  // most likely first
   std::string next;                 // next step, for example a command
 };

@@ -105,7 +105,7 @@ std::string FlashImage::damage() const {
   const auto is = identity();
   if (!is) return "no header of a Kaz application at " + hex_address(KZ_APPLICATION_HEADER);
   if (is->length > KZ_APPLICATION_MAX || is->length < KZ_APPLICATION_CODE - KZ_APPLICATION)
-    return "a header with the impossible length " + std::to_string(is->length) + " bytes";
+    return "a header with an invalid length of " + std::to_string(is->length) + " bytes";
   const std::uint32_t at = KZ_APPLICATION_HEADER + kCrcOffset;
   const auto end = static_cast<std::uint32_t>(KZ_APPLICATION + is->length);
   const std::uint16_t has = crc({at + 2, end}, crc({KZ_APPLICATION, at}, 0xffff));

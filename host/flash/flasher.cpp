@@ -87,17 +87,18 @@ Result<void> check_loader(const FlashImage& image, bool through_boot) {
         Diagnostic{"the image has no vectors and no loader, but boot mode erases the whole flash",
                    "application, vectors (0x000000) and loader (0x00c000)",
                    "only the application",
-                   {"the image was made for the resident loader, which keeps vectors and loader"},
+                   {"the image was made for an update through the resident loader, which does not "
+                    "write vectors and loader"},
                    "give the firmware's kaz.mot, or leave out --reset"});
   }
   const std::string damage = image.loader_damage();
   if (damage.empty()) return {};
   return fail(Fault::usage,
               Diagnostic{"the image's vectors or loader are damaged",
-                         "EB0 and EB6 that match the loader's mark",
+                         "vectors (EB0) and loader (EB6) with the CRC in the loader's mark",
                          damage,
-                         {"the file was cut off within the loader's block (0x00c000 to "
-                          "0x00dfff) or before it",
+                         {"the file was cut off before the end of the loader's block (0x00c000 to "
+                          "0x00dfff)",
                           "the image is older than this program"},
                          "build the image again; --force does not write a damaged image"});
 }
@@ -116,10 +117,10 @@ Result<void> check_foreign(const FlashImage& image, bool through_boot) {
           "the resident loader cannot write any part of the image",
           "bytes outside EB0 (vectors) and EB6 (loader), which the loader keeps",
           kept_blocks.empty() ? "no bytes" : "only bytes in " + kept_blocks,
-          {"the image contains only the loader or its vectors",
+          {"the image contains no application, but only vectors or loader",
            "the image was built for another address"},
-          "give an image with an application, or add --reset HOW: boot mode erases the whole flash "
-          "and writes the whole image"});
+          "give an image with an application, or write this image through boot mode (--reset HOW), "
+          "which erases the whole flash"});
 }
 
 }  // namespace
@@ -190,7 +191,7 @@ Result<bool> Flasher::enter_loader() {
   const auto reply = requester.exchange(std::span(&leave, 1));
   if (reply && reply->front().refused) {
     return fail(Fault::failed, Diagnostic{"the board does not enter its loader",
-                                          "the board leaves its application",
+                                          "the board stops its application",
                                           "a refusal",
                                           {"its motors are on"},
                                           "stop the motors (`kaz status " +
@@ -471,15 +472,15 @@ Result<FlashReport> Flasher::verify(const FlashImage& image) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(
         Fault::failed,
-        "the application matches the image; calibration or address (EB1 to EB3) differ: `kaz flash "
-        "write` keeps the board's own");
+        "the application matches the image, but calibration or address (EB1 to EB3) differ: an "
+        "update through the resident loader keeps the board's calibration and address");
   }
   // An update through the loader keeps them, so a difference is no damage.
   if (auto same = compare(loaders, image); !same) {
     if (same.error().fault != Fault::failed) return tl::unexpected(same.error());
     return kaz::fail(Fault::failed,
-                     "the application matches the image; vectors or loader (EB0, EB6) differ: "
-                     "updates through the resident loader keep the board's own. To replace them, "
+                     "the application matches the image, but vectors or loader (EB0, EB6) differ: "
+                     "an update through the resident loader does not write them. To replace them, "
                      "write the image through boot mode (--reset)");
   }
   report.verified = true;
@@ -533,12 +534,12 @@ Result<std::vector<std::uint8_t>> Flasher::read(FlashRange range) {
 std::string Flasher::left_behind() const {
   switch (state_) {
     case State::boot_mode:
-      return "the board is still in boot mode without complete firmware; boot mode has also erased "
-             "its calibration and its address; give the same command again: boot mode can always "
-             "be entered";
+      return "the board is still in boot mode, and its firmware is incomplete. Boot mode has also "
+             "erased calibration and address. Give the same command again: boot mode can always be "
+             "entered";
     case State::loader_erased:
-      return "the erased blocks are incomplete, and the board's loader starts only complete "
-             "images; give the same command again: the loader waits for it";
+      return "the flash is only partly written, so the board's loader does not start the "
+             "application. Give the same command again: the loader waits for it";
     default:
       return "";
   }

@@ -68,9 +68,9 @@ std::string status_text(int status) {
     case KZ_WRITER_PROTECTED:
       return "it protects the blocks of vectors and loader, and its own program in RAM";
     case KZ_WRITER_NOT_ERASED:
-      return "cells stay programmed after all erase pulses";
+      return "flash cells are not erased after the maximum number of erase pulses";
     case KZ_WRITER_NOT_WRITTEN:
-      return "cells do not reach their value after all program pulses";
+      return "flash cells do not have the written value after the maximum number of program pulses";
     case KZ_WRITER_NOT_BLANK:
       return "the cells hold other data: erase them first";
     case KZ_WRITER_LOCKED:

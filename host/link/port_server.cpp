@@ -191,7 +191,8 @@ void PortServer::parse() {
     if (command_) {
       if (waits_for_drain(*command_) && !board_.drained()) {
         if (WallClock().now() < drain_by_) break;
-        return drop_client("was disconnected: the board's port did not send its bytes within 5 s");
+        return drop_client(
+            "was disconnected: the board's port did not send the client's bytes within 5 s");
       }
       obey(*std::exchange(command_, {}));
     }

@@ -47,7 +47,7 @@ std::string receive(int fd, const std::string& line, const Interrupt* interrupt,
     if (count <= 0) return "no reply to `" + line + "`";
     reply.append(piece, static_cast<std::size_t>(count));
     if (reply.size() > kLongestReply || Steady::now() > deadline)
-      return "the reply to `" + line + "` did not end within 5 s and 65536 bytes";
+      return "the reply to `" + line + "` took more than 5 s, or had more than 65536 bytes";
   }
   return "";
 }

@@ -211,7 +211,8 @@ Result<std::optional<Posture>> Robot::receive_cycle(Time deadline) {
     parts_->found_again = false;
     return state();
   }
-  if (parts_->cycles.empty()) return fail(Fault::usage, "no cycle was sent that could be received");
+  if (parts_->cycles.empty())
+    return fail(Fault::usage, "receive_cycle: no sent cycle is pending; call send_cycle first");
   Parts::Cycle& cycle = parts_->cycles.front();
   const auto collect = [&](std::optional<Exchanger::Ticket> ticket, std::optional<Reply>& reply,
                            std::uint8_t type) -> Result<void> {
@@ -282,7 +283,7 @@ Result<void> Robot::disable_all() noexcept {
       for (int i = 0; i < kTries; ++i) (void)parts_->requester.send(off);
       break;
     }
-    return fail(Fault::environment, "nobody confirms that the motors on " +
+    return fail(Fault::environment, "no reply confirms that the motors on " +
                                         parts_->requester.link().name() + " are off (" + why +
                                         "): cut their power");
   } catch (...) {

@@ -237,7 +237,7 @@ TEST(Robot, DisablesAllEvenWhenInterrupted) {
   const auto off = robot.disable_all();  // must not throw
   ASSERT_FALSE(off);
   EXPECT_EQ(off.error().message,
-            "nobody confirms that the motors on test-port are off (gone): cut their power");
+            "no reply confirms that the motors on test-port are off (gone): cut their power");
   EXPECT_EQ(robot.state().error().message, "gone; the board was not found again within 3.0 s");
 }
 
@@ -269,9 +269,10 @@ TEST(Robot, OffIsWhatTheReplyConfirms) {
   const auto off = robot.disable_all();
   ASSERT_FALSE(off);
   EXPECT_EQ(off.error().fault, Fault::environment);
-  EXPECT_EQ(off.error().message,
-            "nobody confirms that the motors on test-port are off (still on: neck_pan): cut their "
-            "power");
+  EXPECT_EQ(
+      off.error().message,
+      "no reply confirms that the motors on test-port are off (still on: neck_pan): cut their "
+      "power");
   const auto stopped = robot.stop();
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().message,

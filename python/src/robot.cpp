@@ -116,7 +116,7 @@ class PythonRobot {
       stopped.error().message += "; the motors may still be on: cut the power";
     raise(stopped.error());
   }
-  // Raises if nobody confirms that the motors are off.
+  // Raises if no reply confirms that the motors are off.
   void close() { value_of(switch_off()); }
   // Prints that instead: another exception is on its way, or nobody catches one.
   void close_after_error() {

@@ -21,9 +21,8 @@ namespace kaz {
 
 // Message for the user. The caller writes the client's name before this text.
 inline constexpr std::string_view kBrowserRefused =
-    "was disconnected: it began as a web browser may, and not as a client of this port does; "
-    "nothing "
-    "was passed on";
+    "was disconnected, because its first bytes can come from a web browser; none of its bytes were "
+    "passed on";
 
 // Checks the first bytes of one connection. Not thread-safe.
 class BrowserGuard {

@@ -22,7 +22,7 @@ class Reader final : public ObjectFile {
     if (bytes_.size() < kFileHeader) return error(0, "the file ends inside its header");
     const unsigned magic = u16(0);
     if (magic < 0x8300 || magic > 0x8304)
-      return error(0, "magic is not 8302 (H8S) or another of 8300 to 8304 (H8/300 family)");
+      return error(0, "the magic number must be 0x8300 to 0x8304 (H8/300 family); H8S has 0x8302");
     image_.normal_mode = magic != 0x8301 && magic != 0x8302;
     const std::size_t sections = u16(2), optional = u16(16);
     symbols_at_ = u32(8);

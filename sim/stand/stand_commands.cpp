@@ -66,7 +66,8 @@ const Json kHelp = {
      "remove lever, weight and hand from every shaft, and restore the first supply voltage"},
     {"supply V", "set the supply's voltage without load, " + within(0, kMaxVolts, "V")},
     {"clamp JOINT on|off",
-     "hold the shaft by its lever against the scale set to zero, or release it"},
+     "on: clamp the shaft with a lever that presses on the scale; off: remove the lever; both set "
+     "the scale to zero"},
     {"scale JOINT", "print the torque on the scale"},
     {"press JOINT NM",
      "put a weight on the shaft, " + within(-kMaxPress, kMaxPress, "Nm") + "; 0 removes it"},

@@ -303,8 +303,8 @@ class Fuzzing {
                                     error.message() + "; give a writable folder");
     if (std::filesystem::exists(arguments_.corpus + "/" + std::string(kOutputListName), error))
       return fail(Fault::usage, "--corpus " + arguments_.corpus +
-                                    ": a folder of results, which contains no cases; give "
-                                    "another folder");
+                                    ": a folder of results, which contains no cases; give another "
+                                    "folder");
     auto corpus = KAZ_TRY(hil::fuzz::load_corpus(arguments_.corpus));
     for (const Genome& genome : corpus) {
       const auto verdict = KAZ_TRY(one(genome));
@@ -475,8 +475,8 @@ class Fuzzing {
             ? " (" + std::to_string(totals_.shortening) + " to shorten the one that failed)"
             : "";
     print_lines(
-        "tried: %s%s%s in %.1f s, that is %.1f s of the board; %s sent and %lld damaged ones, %lld "
-        "replies, %lld of them refusals\n",
+        "tried: %s%s%s in %.1f s (%.1f s on the board's clock); sent: %s and %lld damaged frames; "
+        "received: %lld replies, including %lld refusals\n",
         counted(totals_.cases, "case").c_str(), shortening.c_str(), part.c_str(), seconds,
         totals_.board_s, counted(totals_.requests, "frame").c_str(), totals_.damaged,
         totals_.replies, totals_.refusals);

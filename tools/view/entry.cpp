@@ -80,16 +80,16 @@ Answer answer_to(const HttpRequest& request, const Access& access) {
   if (!names_this_machine(request.host, access.names))
     return refusal(403,
                    "the Host header does not name this machine: open the address that kaz printed, "
-                   "or one with this machine's IP address\n");
+                   "or write this machine's IP address instead of the host name\n");
   const Token token = token_in(request.target, access.token);
   const bool looks =
       token == Token::right || (access.open && !is_foreign_page(request.origin, request.host));
-  const Answer no_access = refusal(
-      403,
-      token == Token::wrong
-          ? "wrong token: open the address that kaz printed\n"
-          : "no token: open the address that kaz printed, or add its ?token=... to this address; "
-            "with --view-open, programs on this machine can watch without a token\n");
+  const Answer no_access =
+      refusal(403, token == Token::wrong
+                       ? "wrong token: open the address that kaz printed\n"
+                       : "no token: open the address that kaz printed, with its ?token=... at the "
+                         "end; if kaz runs with --view-open, programs on this machine can watch "
+                         "without a token\n");
   if (request.upgrade) {
     Answer answer;
     answer.status = 101;

@@ -28,19 +28,19 @@ constexpr char kJointState[] =
     "# True angles and the motors' torques.\nstd_msgs/Header header\nstring[] name\n"
     "float64[] position\nfloat64[] velocity\nfloat64[] effort\n" KAZ_ROS_STD_HEADER;
 constexpr char kBoard[] =
-    "# What passes between host and board, and what the pins do, by joint number.\n"
+    "# Messages between host and board, and states of the pins; indices are joint numbers.\n"
     "std_msgs/Header header\n"
     "string[18] name\n"
-    "float64[18] target    # rad, of the last request that had the joint\n"
-    "float64[18] measured  # rad, by the board's potentiometers, as its last reply states\n"
-    "float64[18] duty      # -1..1, of the PWM pins\n"
+    "float64[18] target    # rad, in the last request that named the joint\n"
+    "float64[18] measured  # rad, potentiometer angles in the board's last reply\n"
+    "float64[18] duty      # -1 to 1, at the PWM pins\n"
     "uint16 status         # KZ_STATUS_* flags, and the reason of a shutdown in the upper byte\n"
-    "string shutdown       # that reason; empty: none\n"
+    "string shutdown       # reason of the shutdown; empty: no shutdown\n"
     "float64 supply_v      # as the board measures it\n"
-    "float64 worst_tick    # of the board, as a share of a tick's time, as it last stated; 0: not "
-    "yet\n"
+    "float64 worst_tick    # longest tick in the board's last statistics, share of a "
+    "tick's period; 0: no statistics yet\n"
     "uint32 frames_to_board\nuint32 frames_to_host\n"
-    "uint32 frames_damaged # in either direction\n" KAZ_ROS_STD_HEADER;
+    "uint32 frames_damaged # damaged frames, sum of both directions\n" KAZ_ROS_STD_HEADER;
 
 #define KAZ_2D                                                           \
   KAZ_ROS_MSG "foxglove_msgs/Point2\nfloat64 x\nfloat64 y\n" KAZ_ROS_MSG \

@@ -26,7 +26,8 @@ Result<std::uint32_t> number_of(const json& object, const char* name) {
   const auto at = object.is_object() ? object.find(name) : object.end();
   if (!object.is_object() || at == object.end() || !at->is_number_unsigned() ||
       at->get<std::uint64_t>() > 0xffffffff)
-    return fail(Fault::usage, std::string("`") + name + "` must be a whole number of 32 bits");
+    return fail(Fault::usage,
+                std::string("`") + name + "` must be a whole number from 0 to 4294967295");
   return at->get<std::uint32_t>();
 }
 
@@ -142,7 +143,7 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
     if (!object.is_object() || line == object.end() || !line->is_string() ||
         line->get_ref<const std::string&>().size() > kLongestLine)
       return fail(Fault::usage,
-                  "a published message must be {\"do\": LINE} with a LINE of at most " +
+                  "a published message must be {\"do\": LINE}; LINE may have at most " +
                       std::to_string(kLongestLine) + " bytes");
     request.line = line->get<std::string>();
     return request;
@@ -162,8 +163,7 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes) {
       playback.request.size() > kLongestName || !(playback.speed >= 0.01) ||
       !(playback.speed <= 100.01))
     return fail(Fault::usage,
-                "the player's request has a wrong length or value: the speed must be "
-                "0.01 to 100");
+                "the player's request has a wrong length or value: the speed must be 0.01 to 100");
   return request;
 }
 

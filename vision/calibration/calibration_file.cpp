@@ -139,8 +139,8 @@ class Reader {
     std::copy_n(d->begin(), std::min<std::size_t>(5, d->size()), lens.distortion.begin());
     if (d->size() > 5 && std::any_of(d->begin() + 5, d->end(), [](double c) { return c != 0; }))
       return bad(std::string(d_key) +
-                 " has more than the five coefficients k1 k2 p1 p2 k3; "
-                 "calibrate without the rational, prism and tilted models");
+                 " has more than the five coefficients k1 k2 p1 p2 k3; calibrate without the "
+                 "rational, prism and tilted models");
     return lens;
   }
 
@@ -170,7 +170,8 @@ Result<void> take_rectification(const Reader& file, StereoCalibration& c) {
     const auto at = static_cast<std::size_t>(i);
     if (std::abs((*p1)[at] - (*p2)[at]) > 0.01)
       return file.bad(
-          "P1 and P2 have different focal lengths or centers; rectify with CALIB_ZERO_DISPARITY");
+          "P1 and P2 have different focal lengths or centers: rectify again with OpenCV's flag "
+          "CALIB_ZERO_DISPARITY");
   }
   c.left.rectified_from_camera = *r1;
   c.right.rectified_from_camera = *r2;

@@ -324,8 +324,8 @@ class Check {
         of("ixz", 0), of("iyz", 0), of("izz", 1);
     if (!physical(kilograms, tensor)) {
       return error(*inertia,
-                   "no body can have this mass and inertia: the mass must be above 0, "
-                   "moments positive and each at most the sum of the other two");
+                   "impossible mass or inertia: mass and principal moments must be above 0, and no "
+                   "principal moment may exceed the sum of the other two");
     }
     return {};
   }

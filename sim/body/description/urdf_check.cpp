@@ -208,9 +208,9 @@ class Check {
         if (element == nullptr) continue;
         const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
         if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
-          return file_.error(*element, std::string("<") + element->Name() +
-                                           "> must hold one number not below 0; mu1 and mu2 must be "
-                                           "equal");
+          return file_.error(*element,
+                             std::string("<") + element->Name() +
+                                 "> must hold one number not below 0; mu1 and mu2 must be equal");
         mu = value->front();
       }
       friction_[link] = mu;
@@ -353,9 +353,9 @@ class Check {
         of("ixy"), of("iyy"), of("iyz"),        //
         of("ixz"), of("iyz"), of("izz");
     if (!physical(mass->DoubleAttribute("value"), tensor)) {
-      return file_.error(*inertia, "no body can have the inertia of link `" + name +
-                                       "`: moments must be positive and each at most the sum of "
-                                       "the other two");
+      return file_.error(*inertia, "the inertia of link `" + name +
+                                       "` is impossible: its principal moments must be above 0, "
+                                       "and none of them may exceed the sum of the other two");
     }
     return {};
   }
@@ -380,9 +380,10 @@ class Check {
     for (const Element* joint : joints_) {
       const std::string name = joint->Attribute("name");
       if (is_revolute(*joint) && !table.count(name)) {
-        return file_.error(*joint, "joint `" + name +
-                                       "` is not wired to the servo board; see "
-                                       "shared/board/joints.def, or make it fixed");
+        return file_.error(*joint,
+                           "joint `" + name +
+                               "` is not a joint of the servo board (shared/board/joints.def): "
+                               "correct the joint's name, or make the joint fixed");
       }
     }
     return {};
@@ -390,10 +391,10 @@ class Check {
 
   // Whoever describes another robot does not look for a joint of Kaz: what made it one is named, too.
   static std::string missing_joint(const std::string& name, const std::string& shared) {
-    return "robot has no joint `" + name + "`, although its joint `" + shared +
-           "` makes it a Kaz, which has all joints of shared/board/joints.def; in another robot, "
-           "give `" +
-           shared + "` another name";
+    return "robot has no joint `" + name + "`, but has the joint `" + shared +
+           "` of Kaz; a Kaz has all joints of shared/board/joints.def: add the missing joint, or "
+           "rename `" +
+           shared + "` if the robot is not a Kaz";
   }
 
   Result<void> some_joint() {

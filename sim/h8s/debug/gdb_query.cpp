@@ -19,7 +19,7 @@ constexpr std::string_view kHelp =
     "report          registers, backtrace, last instructions\n"
     "states          states and instructions since power-on\n"
     "history         states that reverse execution can reach\n"
-    "back STATE      go to the first boundary at or after this state\n"
+    "back STATE      go to the first instruction that begins at or after this state\n"
     "misuse          operations of the program that the manual forbids or leaves undefined\n"
     "symbol NAME     address of a symbol\n"
     "where ADDRESS   symbol and line at an address (hexadecimal)\n";

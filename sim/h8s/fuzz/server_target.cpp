@@ -45,7 +45,7 @@ std::string gdb(Bytes input) {
     server.feed({reinterpret_cast<const std::uint8_t*>(packet.data()), packet.size()});
     for (int k = 0; k < 4 && server.running(); ++k) server.run(500);
     answered += server.take_output().size();
-    if (answered > 0x4000000) return "more replies than any packet requests";
+    if (answered > 0x4000000) return "the server sent more than 64 MiB of replies";
   }
   return {};
 }

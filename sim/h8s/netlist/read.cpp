@@ -165,7 +165,7 @@ class Line {
     States delay = 0;
     if (more()) {
       delay = time(tokens_[next_].text);
-      if (delay < 0) return wrong("a delay in states, or in seconds such as 10ns");
+      if (delay < 0) return wrong("a delay such as 20 (states) or 10ns");
       ++next_;
     }
     if (auto ok = done(); !ok) return ok;

@@ -1,7 +1,7 @@
 // Commands of the control socket and their clients.
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/base/bounded_json.hpp"
 #include "sim/runtime/serving/control_server.h"
+#include "shared/base/bounded_json.hpp"
 
 #include <sys/socket.h>
 
@@ -83,7 +83,7 @@ Json ControlCommands::run(const std::string& command, const std::string& argumen
           {"plug out|in", "unplug or plug in the serial port"},
           {"stand LINE", "send a command to the motor stand; \"stand help\" lists the commands"},
           {"fault LINE", "inject a fault now or `at` a time; \"fault none\" ends all faults"},
-          {"touches", "from now on, list what the robot touched in status"},
+          {"touches", "from now on, \"status\" also lists what the robot has touched"},
           {"status", "print time, mcu, power, host and losses"}}}};
   }
   if (command == "reset") {

@@ -178,7 +178,9 @@ Result<Simulation::Start> Simulation::keep() {
 
 Result<void> Simulation::begin(const Start& start, std::uint64_t seed) {
   if (recorder_)
-    return fail(Fault::usage, "a recording cannot continue from another state; finish it first");
+    return fail(Fault::usage,
+                "the simulation cannot start from another state while it is recorded: finish the "
+                "recording first");
   world_ = KAZ_TRY(start.world->clone());
   options_.seed = seed;
   StateReader from(start.rest);

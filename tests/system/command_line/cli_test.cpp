@@ -548,8 +548,9 @@ TEST(Cli, FuzzSaysWhatItTriedAndThatNothingWasWrong) {
   const Finished said = run(kaz({"fuzz", "--cases", "3", "--out", folder / "failing"}));
   EXPECT_EQ(said.exit_code, 0) << said.err;
   EXPECT_TRUE(std::regex_search(
-      said.out, std::regex("tried: 3 cases in [0-9.]+ s, that is [0-9.]+ s of the board; [0-9]+ "
-                           "frames sent and [0-9]+ damaged ones, [0-9]+ replies")))
+      said.out,
+      std::regex("tried: 3 cases in [0-9.]+ s \\([0-9.]+ s on the board's clock\\); sent: "
+                 "[0-9]+ frames and [0-9]+ damaged frames; received: [0-9]+ replies")))
       << said.out;
   EXPECT_TRUE(std::regex_search(
       said.out, std::regex("\n[0-9]+ features seen \\(distinct reactions of the board, ")))

@@ -69,7 +69,7 @@ Result<OutputList> parse_output_list(const std::string& text, const std::string&
     }
   }
   if (list.kind.empty() && !list.names.empty())
-    return damaged(number, "ends a list without a line `kind`");
+    return damaged(number, "is the last line, but the list has no line `kind`");
   return list;
 }
 
