@@ -63,6 +63,7 @@ def manifest():
 TOKEN = re.compile(rb"""R"(?P<d>[^()\\\s]{0,16})\(.*?\)(?P=d)"|\b\d[\w.]*(?:'\w+[\w.]*)*"""
                    rb"""|'(?:[^'\\\n]|\\.)+'|(?P<text>(?:"(?:[^"\\\n]|\\.)*"\s*)+)""", re.DOTALL)
 WORDS = re.compile(rb"[a-z] [a-z]")
+END_OF_FUNCTION = b"\0"
 
 
 @functools.cache
@@ -71,6 +72,7 @@ def code(path):
     bare = subprocess.run(["g++", "-fpreprocessed", "-dD", "-E", "-P", "-x", "c++", path],
                           capture_output=True, check=True).stdout
     bare = re.sub(rb"^#include .*(?<!\.def\")$", b"", bare, flags=re.M)
+    bare = re.sub(rb"^}$", b"}" + END_OF_FUNCTION, bare, flags=re.M)
     # A text with two words in a row is a part of a message.
     words = b" ".join(TOKEN.sub(without_words, bare).split())
     return re.sub(rb" ?([(){},;?:+=]) ?", rb"\1", words)
@@ -86,11 +88,14 @@ def version(name, target, reads):
     folder = target["seeds"]
     while folder.name != "seeds":
         folder = folder.parent
-    own = sorted([*folder.parent.glob("*.cpp"), *folder.parent.glob("*.h")])
-    defined = [path for path in own if re.search(rf"^Complaint try_{name}\(", path.read_text(), re.M)]
-    parsers = [ROOT / file for file, used in reads.items() if name in used]
+    own = [code(path) for path in [*folder.parent.glob("*.cpp"), *folder.parent.glob("*.h")]]
+    start = f"Complaint try_{name}(Bytes bytes){{".encode()
+    # The functions of other targets in the same file do not belong to it.
+    other = rb" ?Complaint try_(?!%s\()[^\0]*\0" % name.encode()
+    own = [re.sub(other, b"", text) for text in own if start in text] or own
+    parsers = [code(ROOT / file) for file, used in reads.items() if name in used]
     # Sorted by content: a file may move.
-    content = b"".join(sorted(hashlib.sha256(code(path)).digest() for path in [*(defined or own), *parsers]))
+    content = b"".join(sorted(hashlib.sha256(text).digest() for text in [*own, *parsers]))
     return hashlib.sha256(content).hexdigest()[:8]
 
 
