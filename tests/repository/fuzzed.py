@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: fuzzed.py ROOT
 
-Checks tools/fuzz/targets.txt against the sources and against the table in docs/howto/fuzzing.md. A file reads
+Checks tools/fuzz/targets.txt against the sources and against docs/results/fuzz-campaign.csv. A file reads
 if one of these is true; comments and string literals do not count:
 
 1. It includes a header of READING_HEADERS. A header of another project that is in neither list is an error.
@@ -15,6 +15,7 @@ if one of these is true; comments and string literals do not count:
 Such a file needs a line in targets.txt that names everything it reads by. So a second parser in a listed file
 is an error too. Names of files and environment variables do not count as bytes from outside."""
 
+import csv
 import fnmatch
 import functools
 import pathlib
@@ -189,12 +190,12 @@ for target, folder in targets.items():
     if not any(target in used for used in reads.values()):
         faults.append(f"tools/fuzz/targets.txt: target {target} drives no parser")
 
-rows = dict(re.findall(r"^\| `(\w+)` \| \w+ \| [\d,]+ \| [\d.]+ \| (.*) \|$",
-                       (ROOT / "docs/howto/fuzzing.md").read_text(), re.M))
+with (ROOT / "docs/results/fuzz-campaign.csv").open(newline="") as table:
+    rows = {row["target"]: row["parsers"] for row in csv.DictReader(table)}
 for target in targets:
     parsers = [name for name, used in reads.items() if target in used]
-    if set(re.findall(r"`([^`]+)`", rows.get(target, ""))) != set(parsers):
-        faults.append(f"docs/howto/fuzzing.md: the row of target {target} must name {', '.join(parsers)}; "
+    if [parser.split()[0] for parser in rows.get(target, "").split("; ") if parser] != parsers:
+        faults.append(f"docs/results/fuzz-campaign.csv: the row of {target} must name {', '.join(parsers)}; "
                       f"./tools/dev fuzz --table --only {target} writes it")
 
 print("\n".join(faults) if faults else f"{len(reads)} parsers have {len(targets)} fuzz targets")

@@ -1,4 +1,4 @@
-# Runs the fuzz targets of targets.txt, several at a time, and writes the table of docs/howto/fuzzing.md.
+# Runs the fuzz targets of targets.txt, several at a time, and writes their table.
 # SPDX-License-Identifier: Apache-2.0
 """usage: run.py [SECONDS | --each SECONDS] [--only NAME[,NAME...]] [--jobs N] [--build FOLDER] [--out FOLDER]
               [--table | --status]
@@ -12,12 +12,13 @@ had its time in its present version is not run again. The same command thus cont
 campaign, and more SECONDS extend it. The corpus in OUT/NAME grows from run to run. A failing input stays in
 OUT/NAME-crash-* and the like, its log in OUT/NAME-found-*.log, and the other targets go on. --status lists
 the recorded time. --table measures how much of each parser the corpora and the seeds reach, and writes the
-targets' rows of the table in docs/howto/fuzzing.md.
+targets' rows of docs/results/fuzz-campaign.csv.
 
 Exit status: 0 nothing found, 1 something found, also if interrupted, 2 wrong arguments, 3 a program is
 missing, 130 interrupted, nothing found."""
 
 import argparse
+import csv
 import functools
 import hashlib
 import json
@@ -37,7 +38,7 @@ QUIET = (0, 72, -signal.SIGUSR1)
 KILLED = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "tools/fuzz/targets.txt"
-PAGE = ROOT / "docs/howto/fuzzing.md"
+TABLE = ROOT / "docs/results/fuzz-campaign.csv"
 # Many targets write each case to a file, and ext4 waits for the disk when a truncated file is closed.
 MEMORY = "/dev/shm"
 ENVIRONMENT = dict(os.environ)
@@ -46,7 +47,7 @@ if os.access(MEMORY, os.W_OK):
 PROGRESS_S = 60
 # libFuzzer's limit is wall time: this many times the CPU time, it only matters if run.py is killed.
 WALL_PER_CPU = 20
-BEGIN, END = "<!-- fuzz table: ./tools/dev fuzz --table -->", "<!-- end of the fuzz table -->"
+COLUMNS = ["target", "version", "executions", "cpu_min", "parsers"]
 
 
 def manifest():
@@ -315,16 +316,13 @@ def coverage(options, name, target):
 
 def reached(file, sums):
     if sums[1]:
-        return f"`{file}` {sums[0]}/{sums[1]}, {100 * sums[2] / sums[3]:.0f} %"
-    return f"`{file}` {'emulated' if file.startswith('firmware/') else 'inlined'}"
+        return f"{file} {sums[0]}/{sums[1]} {100 * sums[2] / sums[3]:.0f} %"
+    return f"{file} {'emulated' if file.startswith('firmware/') else 'inlined'}"
 
 
 def write_table(options, targets, reads, all_targets):
-    page = PAGE.read_text()
-    before, rest = page.split(BEGIN)
-    table, after = rest.split(END)
-    rows = dict(re.findall(r"^(\| `(\w+)` \|.*)$", table, re.M))
-    rows = {name: row for row, name in rows.items()}
+    with TABLE.open(newline="") as table:
+        rows = {row["target"]: row for row in csv.DictReader(table)}
     done = recorded(options, targets)
     for number, (name, target) in enumerate(targets.items(), 1):
         print(f"[{number:2}/{len(targets)}] {name}", flush=True)
@@ -332,12 +330,13 @@ def write_table(options, targets, reads, all_targets):
         parsers = "; ".join(reached(file, sums.get(file, (0, 0, 0, 0)))
                             for file, used in reads.items() if name in used)
         measured = target["version"] if done[name]["executions"] else "none"
-        rows[name] = (f"| `{name}` | {measured} | {done[name]['executions']:,} | "
-                      f"{done[name]['cpu_s'] / 60:.1f} | {parsers} |")
-    lines = ["| target | version | executions | CPU time, min | parsers: functions, edges |",
-             "|---|---|---|---|---|", *(rows[name] for name in all_targets if name in rows)]
-    PAGE.write_text(before + BEGIN + "\n" + "\n".join(lines) + "\n" + END + after)
-    print(f"{PAGE}: rows of {', '.join(targets)}")
+        rows[name] = dict(zip(COLUMNS, (name, measured, done[name]["executions"],
+                                        f"{done[name]['cpu_s'] / 60:.1f}", parsers)))
+    with TABLE.open("w", newline="") as table:
+        writer = csv.DictWriter(table, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows[name] for name in all_targets if name in rows)
+    print(f"{TABLE}: rows of {', '.join(targets)}")
     return 0
 
 
@@ -356,7 +355,8 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/fuzz")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/fuzz")
-    parser.add_argument("--table", action="store_true", help="write the targets' rows of the table")
+    parser.add_argument("--table", action="store_true",
+                        help="write the targets' rows of docs/results/fuzz-campaign.csv")
     parser.add_argument("--status", action="store_true", help="list the time that each target has had")
     parser.add_argument("--programs", action="store_true", help="print the programs to build, and end")
     options = parser.parse_args()
