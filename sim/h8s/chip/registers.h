@@ -39,16 +39,17 @@ struct RegisterInfo {
   std::uint32_t full_address() const { return 0xff0000u | address; }
 };
 
+// Reads a byte without side effects, like Chip::peek.
+using Peek = std::function<std::optional<std::uint8_t>(std::uint32_t)>;
+
 // Returns the table in the order of addresses.
 std::span<const RegisterInfo> register_table();
 // Finds a register by name, ignoring case. Returns null if there is no such register.
 const RegisterInfo* find_register(std::string_view name);
 // Returns the register at `address`, or null if there is no register. If several registers share the address,
-// returns the selected register. `peek` reads a byte without side effects, like Chip::peek.
-const RegisterInfo* register_at(
-    std::uint32_t address, const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
+// returns the selected register.
+const RegisterInfo* register_at(std::uint32_t address, const Peek& peek);
 // Returns whether `r` is the selected register at its address.
-bool selected(const RegisterInfo& r,
-              const std::function<std::optional<std::uint8_t>(std::uint32_t)>& peek);
+bool selected(const RegisterInfo& r, const Peek& peek);
 
 }  // namespace kaz::h8s
