@@ -12,6 +12,7 @@ namespace {
 // States without the start delay: sampling, and conversion from the start delay's end.
 constexpr States kSampleSlow = 63, kSampleFast = 31;
 constexpr States kConvertSlow = 249, kConvertFast = 125;
+constexpr std::uint8_t kMode = ADCSR::SCAN | ADCSR::CKS | ADCSR::CH;
 
 std::uint16_t code_of(double share) {
   if (!(share > 0)) return 0;
@@ -22,16 +23,16 @@ std::uint16_t code_of(double share) {
 
 // AN0..AN7 are 0..7; with KBADE channel 6 is CIN0..CIN7 (8..15).
 int Adc::source() const {
-  if ((kbcomp_ & 8) && channel_ == 6) return 8 + (kbcomp_ & 7);
+  if ((kbcomp_ & KBCOMP::KBADE) && channel_ == 6) return 8 + (kbcomp_ & KBCOMP::KBCH);
   return static_cast<int>(channel_);
 }
 
 void Adc::update(Machine& m, States at) {
-  m.irq.set(vec::adi, adf_.has(0x80) && (adcsr_ & 0x40), at);
+  m.irq.set(vec::adi, adf_.has(ADCSR::ADF) && (adcsr_ & ADCSR::ADIE), at);
 }
 
 void Adc::start(Machine& m, States at) {
-  adcsr_ |= 0x20;
+  adcsr_ |= ADCSR::ADST;
   channel_ = first_channel();
   const int delay = fast() ? m.options.adc_start_delay_fast : m.options.adc_start_delay_slow;
   sampled_ = false;
@@ -40,21 +41,21 @@ void Adc::start(Machine& m, States at) {
 }
 
 void Adc::trigger(Machine& m, unsigned source, States at) {
-  if (adcr_ >> 6 != static_cast<int>(source) || (adcsr_ & 0x20) || m.stopped(Stop_adc)) return;
+  if (field<ADCR::TRGS>(adcr_) != source || (adcsr_ & ADCSR::ADST) || m.stopped(Stop_adc)) return;
   start(m, at);
   m.rescheduled(Source::adc);
 }
 
 inline void Adc::finish(Machine& m) {
-  data_[channel_ & 3] = static_cast<std::uint16_t>(held_ << 6);
-  const bool last = !scan() || channel_ == (adcsr_ & 7u);
+  data_[channel_ % 4] = static_cast<std::uint16_t>(held_ << 6);
+  const bool last = !scan() || channel_ == (adcsr_ & ADCSR::CH);
   const States at = end_;
   if (last) {
-    adf_.raise(0x80);
-    if (adcsr_ & 0x40) update(m, at);
+    adf_.raise(ADCSR::ADF);
+    if (adcsr_ & ADCSR::ADIE) update(m, at);
   }
   if (!scan()) {
-    adcsr_ &= static_cast<std::uint8_t>(~0x20);
+    adcsr_ &= ~ADCSR::ADST;
     next_ = end_ = kNever;
     return;
   }
@@ -77,13 +78,13 @@ inline void Adc::sample(Machine& m) {
 
 // Of a scan's conversions that end by `to` only the last of each channel are read by anything.
 void Adc::skip(States to) {
-  if (!scan() || end_ > to || ((adcsr_ & 0x40) && !adf_.has(0x80))) return;
+  if (!scan() || end_ > to || ((adcsr_ & ADCSR::ADIE) && !adf_.has(ADCSR::ADF))) return;
   const States period = fast() ? kScanFast : kScanSlow;
-  const States channels = (adcsr_ & 7u) - first_channel() + 1;
+  const States channels = (adcsr_ & ADCSR::CH) - first_channel() + 1;
   const States ends = (to - end_) / period + 1;
   const States skipped = (ends - channels) / channels * channels;
   if (skipped <= 0) return;
-  adf_.raise(0x80);
+  adf_.raise(ADCSR::ADF);
   sampled_ = false;
   end_ += skipped * period;
   next_ = end_ - period + (fast() ? kSampleFast : kSampleSlow);
@@ -113,14 +114,14 @@ void Adc::reset(Machine& m, States at) {
 
 std::uint8_t Adc::peek(std::uint32_t address) const {
   switch (address) {
-    case 0xffe8:
+    case io::ADCSR:
       return static_cast<std::uint8_t>(adcsr_ | adf_.value());
-    case 0xffe9:
+    case io::ADCR:
       return adcr_;
-    case 0xfee4:
+    case io::KBCOMP:
       return kbcomp_;
     default: {
-      const std::uint16_t word = data_[address >> 1 & 3];
+      const std::uint16_t word = data_[address / 2 % 4];
       return static_cast<std::uint8_t>(address & 1 ? word : word >> 8);
     }
   }
@@ -132,34 +133,34 @@ std::uint8_t Adc::read(Machine& m, std::uint32_t address, States at) {
 }
 
 std::uint8_t Adc::read_now(std::uint32_t address) {
-  if (address == 0xffe8) adf_.read();
-  if (address >= 0xffe8 || address < 0xffe0) return peek(address);
+  if (address == io::ADCSR) adf_.read();
+  if (address >= io::ADCSR || address < io::ADDRA) return peek(address);
   if (address & 1) return temp_;
-  const std::uint16_t word = data_[address >> 1 & 3];
+  const std::uint16_t word = data_[address / 2 % 4];
   temp_ = static_cast<std::uint8_t>(word);
   return static_cast<std::uint8_t>(word >> 8);
 }
 
 void Adc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   advance(m, at);
-  const bool running = (adcsr_ & 0x20) != 0;
+  const bool running = (adcsr_ & ADCSR::ADST) != 0;
   switch (address) {
-    case 0xffe8: {
-      if (running && ((value ^ adcsr_) & 0x1f))
+    case io::ADCSR: {
+      if (running && ((value ^ adcsr_) & kMode))
         m.misuse(address, "A/D mode or channel changed while a conversion runs");
-      adf_.write(static_cast<std::uint8_t>(value | 0x7f));
-      adcsr_ = static_cast<std::uint8_t>((value & 0x5f) | (adcsr_ & 0x20));
-      if ((value & 0x20) && !running) start(m, at);
-      if (!(value & 0x20)) {
-        adcsr_ &= static_cast<std::uint8_t>(~0x20);
+      adf_.write(static_cast<std::uint8_t>(value | ~ADCSR::ADF));
+      adcsr_ = (value & (ADCSR::ADIE | kMode)) | (adcsr_ & ADCSR::ADST);
+      if ((value & ADCSR::ADST) && !running) start(m, at);
+      if (!(value & ADCSR::ADST)) {
+        adcsr_ &= ~ADCSR::ADST;
         next_ = end_ = kNever;
       }
       break;
     }
-    case 0xffe9:
-      adcr_ = static_cast<std::uint8_t>(value | 0x3f);
+    case io::ADCR:
+      adcr_ = value | ADCR::ONE;
       break;
-    case 0xfee4:
+    case io::KBCOMP:
       if (running) m.misuse(address, "KBCOMP changed while a conversion runs");
       kbcomp_ = value;
       break;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -15,7 +16,7 @@ class Machine;
 
 class Adc {
  public:
-  // Register accesses. `address` has the low 16 bits of the address: FFE0..FFE9, or FEE4 for KBCOMP.
+  // Register accesses. `address` has the low 16 bits: ADDRA..ADCR or KBCOMP.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   // Like read(), but may only be called if no event is due.
   std::uint8_t read_now(std::uint32_t address);
@@ -25,7 +26,7 @@ class Adc {
   // Clears the flag ADF. Must be called after a DTC activation that has read a result, unless the activation
   // passes the interrupt to the CPU.
   void taken_by_dtc(Machine& m, States at) {
-    adf_.drop(0x80);
+    adf_.drop(ADCSR::ADF);
     update(m, at);
   }
 
@@ -34,9 +35,10 @@ class Adc {
   // converter cannot raise a request. A conversion that raises no request does not affect other modules of
   // the chip.
   States next_request() const {
-    if (!(adcsr_ & 0x40) || adf_.has(0x80)) return kNever;
+    if (!(adcsr_ & ADCSR::ADIE) || adf_.has(ADCSR::ADF)) return kNever;
     if (end_ == kNever || !scan()) return end_;
-    return end_ + static_cast<States>((adcsr_ & 7u) - channel_) * (fast() ? kScanFast : kScanSlow);
+    return end_ +
+           static_cast<States>((adcsr_ & ADCSR::CH) - channel_) * (fast() ? kScanFast : kScanSlow);
   }
   void advance(Machine& m, States to) {
     if (next_ <= to) convert(m, to);
@@ -62,9 +64,9 @@ class Adc {
   // Duration (states) of each conversion in scan mode, except the first conversion.
   static constexpr States kScanSlow = 256, kScanFast = 128;
 
-  bool scan() const { return (adcsr_ & 0x10) != 0; }
-  bool fast() const { return (adcsr_ & 0x08) != 0; }
-  unsigned first_channel() const { return scan() ? adcsr_ & 4u : adcsr_ & 7u; }
+  bool scan() const { return (adcsr_ & ADCSR::SCAN) != 0; }
+  bool fast() const { return (adcsr_ & ADCSR::CKS) != 0; }
+  unsigned first_channel() const { return scan() ? adcsr_ & ADCSR::CH2 : adcsr_ & ADCSR::CH; }
   int source() const;
   void start(Machine& m, States at);
   void convert(Machine& m, States to);
@@ -75,7 +77,7 @@ class Adc {
   void update(Machine& m, States at);
 
   std::uint8_t adcsr_ = 0;  // ADCSR without ADF
-  std::uint8_t adcr_ = 0x3f, kbcomp_ = 0, temp_ = 0;
+  std::uint8_t adcr_ = ADCR::ONE, kbcomp_ = 0, temp_ = 0;
   StickyFlags adf_;
   std::array<std::uint16_t, 4> data_{};  // ADDRA..ADDRD: result << 6
   unsigned channel_ = 0;

@@ -10,17 +10,15 @@
 namespace kaz::h8s {
 namespace {
 
-constexpr unsigned kSmr = 0, kBrr = 1, kScr = 2, kTdr = 3, kSsr = 4, kRdr = 5;
-constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kErrors = 0x38, kTend = 0x04;
-
 constexpr States kPoll = 32;         // its loops look at the channel so often
 constexpr States kCheckPerWord = 8;  // reading the flash: 8 states a word
 constexpr std::uint32_t kWords = kFlashSize / 2;
 constexpr double kPulseUs = 10'000, kAroundPulseUs = 240, kVerifyWordUs = 3;
 // RAM that the boot ROM uses (2148A manual, boot mode): its contents are undefined afterwards.
-constexpr std::uint32_t kOwnRam = 0xffe880, kOwnRamEnd = 0xfff000;
-constexpr std::uint32_t kOwnShortRam = 0xffff00, kOwnShortRamEnd = 0xffff80;
-constexpr std::uint32_t kFirstRam = 0xffe080;
+constexpr std::uint32_t kOwnRam = kBlock + 0x0880, kOwnRamEnd = kBlock + kRam + kRamSize;
+constexpr std::uint32_t kOwnShortRam = kBlock + kShortRam,
+                        kOwnShortRamEnd = kOwnShortRam + kShortRamSize;
+constexpr std::uint32_t kFirstRam = kBlock + kRam;
 // A mask: the first bytes of the program, '@' FE "df2128".
 constexpr std::uint8_t kId[] = {0x40, 0xfe, 0x64, 0x66, 0x32, 0x31, 0x32, 0x38};
 
@@ -112,16 +110,16 @@ void BootRom::heard(Machine& m, const ReceivedByte& byte) {
 void BootRom::measured(Machine& m, States low, States at) {
   const States bit = low / 9;
   if (!allowed(m, bit)) {
-    m.misuse(0xffd9, "boot mode: the measured low time matches no allowed bit rate");
+    m.misuse(io::BRR0, "boot mode: the measured low time matches no allowed bit rate");
     return;
   }
   const unsigned n = channel(m);
   const States unit = 9 * 32;
   const auto brr =
       static_cast<std::uint8_t>(std::clamp<States>((low + unit / 2) / unit, 1, 256) - 1);
-  m.sci[n].write(m, n, kSmr, 0, at);
-  m.sci[n].write(m, n, kBrr, brr, at);
-  m.sci[n].write(m, n, kScr, 0x30, at);
+  m.sci[n].write(m, n, Sci::kSmr, 0, at);
+  m.sci[n].write(m, n, Sci::kBrr, brr, at);
+  m.sci[n].write(m, n, Sci::kScr, SCR::TE | SCR::RE, at);
   m.rescheduled(source_of(n));
   step_ = Step::greet;
   sending_ = 0x00;
@@ -173,29 +171,28 @@ void BootRom::take(Machine& m, std::uint8_t byte, States) {
 void BootRom::poll(Machine& m, States at) {
   const unsigned n = channel(m);
   Sci& sci = m.sci[n];
-  const std::uint8_t flags = sci.read(m, n, kSsr, at);
+  const std::uint8_t flags = sci.read(m, n, Sci::kSsr, at);
   wake_ = at + kPoll;
   if (sending_ >= 0) {
-    if (!(flags & kTdre)) return;
-    sci.write(m, n, kTdr, static_cast<std::uint8_t>(sending_), at);
-    sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~kTdre), at);
+    if (!(flags & SSR::TDRE)) return;
+    sci.write(m, n, Sci::kTdr, static_cast<std::uint8_t>(sending_), at);
+    sci.write(m, n, Sci::kSsr, flags & ~SSR::TDRE, at);
     sending_ = -1;
     if (step_ == Step::greet) step_ = Step::match;
     return;
   }
-  const bool quiet = (flags & kTend) != 0;
+  const bool quiet = (flags & SSR::TEND) != 0;
   switch (step_) {
     case Step::match:
       // Listening began in the middle of a byte.
-      if (flags & kErrors)
-        sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~(kErrors | kRdrf)), at);
+      if (flags & Sci::kErrors) sci.write(m, n, Sci::kSsr, flags & ~(Sci::kErrors | SSR::RDRF), at);
       [[fallthrough]];
     case Step::count_high:
     case Step::count_low:
     case Step::load:
-      if (!(flags & kRdrf)) return;
-      sci.write(m, n, kSsr, static_cast<std::uint8_t>(flags & ~kRdrf), at);
-      return take(m, sci.read(m, n, kRdr, at), at);
+      if (!(flags & SSR::RDRF)) return;
+      sci.write(m, n, Sci::kSsr, flags & ~SSR::RDRF, at);
+      return take(m, sci.read(m, n, Sci::kRdr, at), at);
     case Step::check:
       if (!quiet) return;
       block_ = 0;
@@ -251,11 +248,11 @@ void BootRom::finish(Machine& m, States at) {
 
 void BootRom::start_program(Machine& m, States at) {
   const unsigned n = channel(m);
-  m.sci[n].write(m, n, kScr, 0, at);
+  m.sci[n].write(m, n, Sci::kScr, 0, at);
   const unsigned port = n == 0 ? 5 : 2;
   const auto txd = static_cast<std::uint8_t>(n == 0 ? 0x01 : 0x20);
-  m.ports.write(m, port == 5 ? 0xffba : 0xffb3, txd, at);
-  m.ports.write(m, port == 5 ? 0xffb8 : 0xffb1, txd, at);
+  m.ports.write(m, port == 5 ? io::P5DR : io::P2DR, txd, at);
+  m.ports.write(m, port == 5 ? io::P5DDR : io::P2DDR, txd, at);
   for (unsigned k = 0; k < 8; ++k) m.cpu.er[k] = 0xdead0000u + k;
   step_ = Step::off;
   wake_ = kNever;

@@ -12,8 +12,8 @@
 namespace kaz::h8s {
 namespace {
 
-// Return address used by call(): unmapped, so that the fetch there ends the run.
-constexpr std::uint32_t kReturn = 0xfffffe;
+// Return address used by call(): a register, so that the fetch there ends the run.
+constexpr std::uint32_t kReturn = 0xff0000 | io::TCONRS;
 
 std::string hex6(std::uint32_t value) {
   char text[16];
@@ -151,7 +151,7 @@ void Chip::set_registers(const Registers& registers) {
   Cpu& c = machine_->cpu;
   c.er = registers.er;
   set_ccr(c, registers.ccr);
-  c.exr = registers.exr | 0x78;
+  c.exr = registers.exr | EXR::ONE;
   if (registers.pc != machine_->pc()) {
     c.moving = false;
     c.asleep = false;
@@ -244,7 +244,7 @@ Result<CallResult> Chip::call(std::uint32_t address, std::initializer_list<std::
       return fail("call of " + symbols().describe(address) + ": the stack pointer " +
                   hex6(r.er[7]) + " is not in RAM");
   }
-  r.ccr |= 0xc0;
+  r.ccr |= CCR::I | CCR::UI;
   r.pc = address;
   set_registers(r);
   const States start = now();

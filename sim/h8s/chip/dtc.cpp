@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::uint32_t kVectors = 0x0400;
 constexpr std::uint32_t kFirstBlock = 0xec00, kLastBlock = 0xf000 - 12;
-constexpr std::uint8_t kSwdte = 0x80;
 
 // Vectors by register and bit, bit 7 first; 0: no such source on this chip.
 constexpr std::uint8_t kActivations[5][8] = {{16, 17, 18, 0, 28, 48, 49, 52},
@@ -29,7 +28,7 @@ struct Enable {
 Enable enable_of(unsigned vector) {
   for (unsigned r = 0; r < 5; ++r)
     for (unsigned k = 0; k < 8; ++k)
-      if (kActivations[r][k] == vector) return {r, static_cast<std::uint8_t>(0x80u >> k)};
+      if (kActivations[r][k] == vector) return {r, static_cast<std::uint8_t>(DTCER::DTCE7 >> k)};
   return {};
 }
 
@@ -53,17 +52,17 @@ struct Dtc::Block {
     put_big16(p + 8, cra);
     put_big16(p + 10, crb);
   }
-  bool word() const { return (mra & 1) != 0; }
-  bool source_repeats() const { return (mra & 2) != 0; }
-  unsigned mode() const { return mra >> 2 & 3u; }
+  bool word() const { return (mra & MRA::SZ) != 0; }
+  bool source_repeats() const { return (mra & MRA::DTS) != 0; }
+  unsigned mode() const { return field<MRA::MD>(mra); }
   std::uint32_t step(unsigned bits) const {
     const std::uint32_t size = word() ? 2 : 1;
     return bits < 2 ? 0 : bits == 2 ? size : 0 - size;
   }
-  std::uint32_t source_step() const { return step(mra >> 6 & 3u); }
-  std::uint32_t target_step() const { return step(mra >> 4 & 3u); }
-  bool chained() const { return (mrb & 0x80) != 0; }
-  bool always_interrupts() const { return (mrb & 0x40) != 0; }
+  std::uint32_t source_step() const { return step(field<MRA::SM>(mra)); }
+  std::uint32_t target_step() const { return step(field<MRA::DM>(mra)); }
+  bool chained() const { return (mrb & MRB::CHNE) != 0; }
+  bool always_interrupts() const { return (mrb & MRB::DISEL) != 0; }
   // At the end of `count` units the repeat or block area returns to its beginning.
   void rewind(std::uint32_t count) {
     if (source_repeats())
@@ -74,31 +73,31 @@ struct Dtc::Block {
 };
 
 std::uint8_t Dtc::peek(std::uint32_t address) const {
-  return address == 0xfef3 ? dtvecr_ : dtcer_[address - 0xfeee];
+  return address == io::DTVECR ? dtvecr_ : dtcer_[address - io::DTCERA];
 }
 
 std::uint8_t Dtc::read(std::uint32_t address) {
-  if (address == 0xfef3 && (dtvecr_ & kSwdte)) swdte_seen_ = true;
+  if (address == io::DTVECR && (dtvecr_ & DTVECR::SWDTE)) swdte_seen_ = true;
   return peek(address);
 }
 
 void Dtc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  if (address != 0xfef3) {
-    const unsigned r = address - 0xfeee;
+  if (address != io::DTVECR) {
+    const unsigned r = address - io::DTCERA;
     for (unsigned k = 0; k < 8; ++k)
-      if ((value & 0x80 >> k) && kActivations[r][k] == 0)
+      if ((value & DTCER::DTCE7 >> k) && kActivations[r][k] == 0)
         m.misuse(address, "DTC enabled for an interrupt source that the H8S/2128 does not have");
     dtcer_[r] = value;
     divert(m);
     return;
   }
-  const bool active = (dtvecr_ & kSwdte) != 0;
+  const bool active = (dtvecr_ & DTVECR::SWDTE) != 0;
   if (active) {
     // The vector number stays; SWDTE is cleared by writing 0 after it has been read as 1.
-    if ((value & 0x7f) != (dtvecr_ & 0x7f))
+    if ((value & DTVECR::DTVEC) != (dtvecr_ & DTVECR::DTVEC))
       m.misuse(address, "DTVEC changed while SWDTE is set; the change has no effect");
-    if (!(value & kSwdte) && swdte_seen_) {
-      dtvecr_ &= 0x7f;
+    if (!(value & DTVECR::SWDTE) && swdte_seen_) {
+      dtvecr_ &= DTVECR::DTVEC;
       swdte_seen_ = ended_ = false;
       m.irq.set(vec::swdtend, false, at);
     }
@@ -114,7 +113,7 @@ void Dtc::divert(Machine& m) {
   for (unsigned r = 0; r < 5; ++r) {
     for (unsigned k = 0; k < 8; ++k) {
       const unsigned v = kActivations[r][k];
-      if (v != 0 && (dtcer_[r] & 0x80 >> k)) mask[v / 64] |= 1ull << (v % 64);
+      if (v != 0 && (dtcer_[r] & DTCER::DTCE7 >> k)) mask[v / 64] |= 1ull << (v % 64);
     }
   }
   m.irq.divert(mask, m.time());
@@ -145,13 +144,13 @@ bool Dtc::run(Machine& m) {
       release(m, vector);
     }
   } else {
-    const unsigned number = dtvecr_ & 0x7fu;
+    const unsigned number = dtvecr_ & DTVECR::DTVEC;
     const Outcome o = serve(m, number);
     if (o.ended) {
       ended_ = true;
       m.irq.set(vec::swdtend, true, m.time());
     } else {
-      dtvecr_ &= 0x7f;
+      dtvecr_ &= DTVECR::DTVEC;
       swdte_seen_ = false;
     }
   }
@@ -180,7 +179,7 @@ Dtc::Outcome Dtc::serve(Machine& m, unsigned vector) {
     const bool end = transfer(m, b);
     b.put(p);
     m.forget_code_at((c.mask & 0xff0000) | at);
-    for (std::uint32_t k = 0; k < 12; k += 2) note_ram_write(c, (at + k) & 0x1fff);
+    for (std::uint32_t k = 0; k < 12; k += 2) note_ram_write(c, (at + k) % 0x2000);
     c.now += m.options.dtc_register_accesses - m.options.dtc_register_accesses / 2;
     if (!b.chained()) {
       outcome = {end || b.always_interrupts(), true};
@@ -222,13 +221,13 @@ bool Dtc::transfer(Machine& m, Block& b) {
 void Dtc::move(Machine& m, Block& b) {
   Cpu& c = m.cpu;
   const auto serial = [](std::uint32_t address, unsigned n, std::uint32_t offset) {
-    return (address & 0xffff) == (n == 0 ? 0xffd8u : 0xff88u) + offset;
+    return (address & 0xffff) == (n == 0 ? io::SMR0 : io::SMR1) + offset;
   };
   for (unsigned n = 0; n < 2; ++n) {
-    rdr_read_[n] |= serial(b.sar, n, 5);
-    tdr_written_[n] |= serial(b.dar, n, 3);
+    rdr_read_[n] |= serial(b.sar, n, Sci::kRdr);
+    tdr_written_[n] |= serial(b.dar, n, Sci::kTdr);
   }
-  result_read_ |= (b.sar & 0xffff) - 0xffe0 < 8;
+  result_read_ |= (b.sar & 0xffff) - io::ADDRA < io::ADCSR - io::ADDRA;
   c.now += 1;
   if (b.word())
     store16(c, b.dar, (c.now += 1, load16(c, b.sar)));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
@@ -13,7 +14,7 @@ class Machine;
 
 class Dtc {
  public:
-  // Register accesses: DTCERA..DTCERE and DTVECR, FEEE..FEF3.
+  // Register accesses: DTCERA..DTVECR.
   std::uint8_t peek(std::uint32_t address) const;
   std::uint8_t read(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
@@ -23,7 +24,7 @@ class Dtc {
   bool run(Machine& m);
   // Returns the time at which the next activation may begin; kNever without a request.
   States earliest(const Machine& m) const;
-  bool idle() const { return !(dtvecr_ & 0x80) || ended_; }
+  bool idle() const { return !(dtvecr_ & DTVECR::SWDTE) || ended_; }
 
   // Serializes the complete state (shared/base/archive.hpp).
   template <class A>

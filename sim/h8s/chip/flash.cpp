@@ -12,8 +12,6 @@ namespace {
 
 namespace times = flash_times;
 
-constexpr std::uint8_t kSwe = 0x40, kEv = 0x08, kPv = 0x04, kErase = 0x02, kProgram = 0x01;
-constexpr std::uint8_t kFler = 0x80, kEsu = 0x02, kPsu = 0x01;
 constexpr std::uint32_t kBlocks[] = {0x0000, 0x0400, 0x0800,  0x0c00,  0x1000, 0x8000,
                                      0xc000, 0xe000, 0x10000, 0x18000, 0x20000};
 
@@ -35,11 +33,11 @@ std::uint64_t mixed(std::uint64_t x) {
 
 std::uint8_t FlashControl::peek(std::uint32_t address) const {
   switch (address) {
-    case 0xff80:
+    case io::FLMCR1:
       return flmcr1_;
-    case 0xff81:
+    case io::FLMCR2:
       return flmcr2_;
-    case 0xff82:
+    case io::EBR1:
       return ebr1_;
     default:
       return ebr2_;
@@ -51,12 +49,12 @@ double FlashControl::microseconds(const Machine& m, States states) const {
 }
 
 void FlashControl::require(Machine& m, States since, double wait, States at, const char* text) {
-  if (m.options.flash_timing && microseconds(m, at - since) < wait) m.misuse(0xff80, text);
+  if (m.options.flash_timing && microseconds(m, at - since) < wait) m.misuse(io::FLMCR1, text);
 }
 
 void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) {
   const States at = m.time();
-  if (!(flmcr1_ & kSwe)) {
+  if (!(flmcr1_ & FLMCR1::SWE)) {
     m.misuse(address, "write to flash memory without FLMCR1.SWE");
     return;
   }
@@ -65,11 +63,11 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     return;
   }
   // In verify mode a dummy write selects the word to be read.
-  if (flmcr1_ & (kPv | kEv)) {
+  if (flmcr1_ & kVerify) {
     if (value != 0xff)
       m.misuse(address,
                "the dummy write for a verification read must write FF, but wrote another value");
-    require(m, verify_at_, flmcr1_ & kPv ? times::after_pv : times::after_ev, at,
+    require(m, verify_at_, flmcr1_ & FLMCR1::PV ? times::after_pv : times::after_ev, at,
             "dummy write too early after PV or EV was set");
     dummy_ = address & ~1u;
     dummy_at_ = at;
@@ -96,10 +94,10 @@ std::uint8_t FlashControl::read(Machine& m, std::uint32_t address, std::uint8_t 
 }
 
 void FlashControl::error(Machine& m, const char* text, States at) {
-  m.misuse(0xff81, text);
+  m.misuse(io::FLMCR2, text);
   end_pulse(m, at);
-  flmcr1_ &= static_cast<std::uint8_t>(~(kProgram | kErase));
-  flmcr2_ = kFler;
+  flmcr1_ &= ~kPulse;
+  flmcr2_ = FLMCR2::FLER;
   ++statistics.errors;
   m.choose_paths();
 }
@@ -134,10 +132,10 @@ void FlashControl::program(Machine& m, double share) {
 }
 
 void FlashControl::erase(Machine& m, double share) {
-  const unsigned selected = static_cast<unsigned>(ebr1_ & 3) << 8 | ebr2_;
+  const unsigned selected = static_cast<unsigned>(ebr1_ & EBR1::EB) << 8 | ebr2_;
   if (std::popcount(selected) != 1) {
     m.misuse(
-        0xff82,
+        io::EBR1,
         "erase pulse with no block or several blocks selected in EBR1 and EBR2; nothing is erased");
     return;
   }
@@ -159,7 +157,7 @@ void FlashControl::erase_block(Machine& m, unsigned n, double share) {
   if (share < 1) ++b.weak_pulses;
   if (share < times::nothing_below || m.options.flash_worn_block == static_cast<int>(n)) return;
   if (++b.erasures == times::endurance + 1)
-    m.misuse(0xff82, "flash block erased more than 100 times; the endurance is 100 erasures");
+    m.misuse(io::EBR1, "flash block erased more than 100 times; the endurance is 100 erasures");
   std::uint8_t* p = m.memory_at(kBlocks[n]);
   const std::uint32_t size = kBlocks[n + 1] - kBlocks[n];
   for (std::uint32_t k = 0; p && k < size; ++k) {
@@ -176,9 +174,9 @@ void FlashControl::erase_block(Machine& m, unsigned n, double share) {
 
 // Applies what the running pulse has done by `at`.
 void FlashControl::end_pulse(Machine& m, States at) {
-  if (!(flmcr1_ & (kProgram | kErase))) return;
+  if (!(flmcr1_ & kPulse)) return;
   ++pulses_;
-  const bool writes = (flmcr1_ & kProgram) != 0;
+  const bool writes = (flmcr1_ & FLMCR1::P) != 0;
   const double length = microseconds(m, at - pulse_start_);
   const double min_us = writes ? times::program_least : times::erase_least;
   const double max_us = writes ? times::program_most : times::erase_most;
@@ -186,9 +184,9 @@ void FlashControl::end_pulse(Machine& m, States at) {
   if (m.options.flash_timing) {
     share = length / min_us;
     if (share < 1)
-      m.misuse(0xff80, "flash pulse shorter than the manual requires; cells are left weak");
+      m.misuse(io::FLMCR1, "flash pulse shorter than the manual requires; cells are left weak");
     // Tolerance of 10% for a polling loop.
-    if (length > 1.1 * max_us) m.misuse(0xff80, "flash pulse longer than the manual allows");
+    if (length > 1.1 * max_us) m.misuse(io::FLMCR1, "flash pulse longer than the manual allows");
   }
   if (writes)
     program(m, share);
@@ -206,53 +204,56 @@ void FlashControl::cut(Machine& m, States at) {
 }
 
 void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  const bool locked = (flmcr2_ & kFler) != 0;
+  const bool locked = (flmcr2_ & FLMCR2::FLER) != 0;
   const bool from_flash = m.pc() < m.cpu.flash_size;
   switch (address) {
-    case 0xff80: {
+    case io::FLMCR1: {
       const std::uint8_t before = flmcr1_;
-      std::uint8_t next = static_cast<std::uint8_t>(0x80 | (value & 0x4f));
-      if (!(next & kSwe)) next = 0x80, ebr1_ = ebr2_ = 0;
-      if (!(flmcr2_ & kPsu) || locked) next = static_cast<std::uint8_t>(next & ~kProgram);
-      if (!(flmcr2_ & kEsu) || locked) next = static_cast<std::uint8_t>(next & ~kErase);
+      std::uint8_t next = FLMCR1::FWE | (value & (FLMCR1::SWE | kModes));
+      if (!(next & FLMCR1::SWE)) next = FLMCR1::FWE, ebr1_ = ebr2_ = 0;
+      if (!(flmcr2_ & FLMCR2::PSU) || locked) next &= ~FLMCR1::P;
+      if (!(flmcr2_ & FLMCR2::ESU) || locked) next &= ~FLMCR1::E;
       // Both at once, or together with verification, is not an operation.
-      if (std::popcount(static_cast<unsigned>(next & 0x0f)) > 1) {
-        m.misuse(0xff80,
+      if (std::popcount(static_cast<unsigned>(next & kModes)) > 1) {
+        m.misuse(io::FLMCR1,
                  "more than one of the bits EV, PV, E and P set; none of the four has an effect");
-        next = static_cast<std::uint8_t>(next & 0xf0);
+        next &= ~kModes;
       }
       const auto ended = static_cast<std::uint8_t>(before & ~next);
       const auto begun = static_cast<std::uint8_t>(~before & next);
-      if (ended & (kProgram | kErase)) end_pulse(m, at);
+      if (ended & kPulse) end_pulse(m, at);
       flmcr1_ = next;
-      if (begun & kSwe) swe_at_ = at;
-      if ((begun | ended) & kSwe && from_flash)
-        m.misuse(0xff80, "SWE changed by code in flash; code that changes SWE must run from RAM");
-      if (begun & (kProgram | kErase)) {
+      if (begun & FLMCR1::SWE) swe_at_ = at;
+      if ((begun | ended) & FLMCR1::SWE && from_flash)
+        m.misuse(io::FLMCR1,
+                 "SWE changed by code in flash; code that changes SWE must run from RAM");
+      if (begun & kPulse) {
         pulse_start_ = at;
-        require(m, setup_at_, begun & kProgram ? times::after_psu : times::after_esu, at,
+        require(m, setup_at_, begun & FLMCR1::P ? times::after_psu : times::after_esu, at,
                 "flash pulse begun too early after PSU or ESU was set");
       }
-      if (begun & (kPv | kEv)) verify_at_ = at;
+      if (begun & kVerify) verify_at_ = at;
       dummy_ = 0xffffffff;
       break;
     }
-    case 0xff81: {
-      const std::uint8_t next = flmcr1_ & kSwe && !locked ? value & 3 : 0;
-      if ((flmcr1_ & kProgram && !(next & kPsu)) || (flmcr1_ & kErase && !(next & kEsu))) {
-        m.misuse(0xff81, "PSU or ESU cleared during a pulse; the pulse ends");
+    case io::FLMCR2: {
+      const std::uint8_t next =
+          flmcr1_ & FLMCR1::SWE && !locked ? value & (FLMCR2::ESU | FLMCR2::PSU) : 0;
+      if ((flmcr1_ & FLMCR1::P && !(next & FLMCR2::PSU)) ||
+          (flmcr1_ & FLMCR1::E && !(next & FLMCR2::ESU))) {
+        m.misuse(io::FLMCR2, "PSU or ESU cleared during a pulse; the pulse ends");
         end_pulse(m, at);
-        flmcr1_ &= static_cast<std::uint8_t>(~(kProgram | kErase));
+        flmcr1_ &= ~kPulse;
       }
       if (next & ~flmcr2_) setup_at_ = at;
-      flmcr2_ = static_cast<std::uint8_t>((flmcr2_ & kFler) | next);
+      flmcr2_ = (flmcr2_ & FLMCR2::FLER) | next;
       break;
     }
-    case 0xff82:
-      ebr1_ = flmcr1_ & kSwe ? value & 3 : 0;
+    case io::EBR1:
+      ebr1_ = flmcr1_ & FLMCR1::SWE ? value & EBR1::EB : 0;
       break;
     default:
-      ebr2_ = flmcr1_ & kSwe ? value : 0;
+      ebr2_ = flmcr1_ & FLMCR1::SWE ? value : 0;
       break;
   }
   m.choose_paths();

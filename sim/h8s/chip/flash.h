@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "sim/h8s/chip/chip.h"
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
@@ -27,18 +28,18 @@ inline constexpr int endurance = 100;  // number of erasures that a block endure
 
 class FlashControl {
  public:
-  // Register accesses while STCR.FLSHE is 1. FLMCR1, FLMCR2, EBR1 and EBR2 are at FF80..FF83.
+  // Register accesses while STCR.FLSHE is 1: FLMCR1, FLMCR2, EBR1 and EBR2.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // Latches a byte that the program writes to an address inside the flash.
   void latch(Machine& m, std::uint32_t address, std::uint8_t value);
 
-  bool enabled() const { return (flmcr1_ & 0x40) != 0; }
+  bool enabled() const { return (flmcr1_ & FLMCR1::SWE) != 0; }
   // Returns whether reads are normal: no pulse or setup is active, and verification is off.
-  bool plain() const { return !busy() && (flmcr1_ & 0x0c) == 0; }
+  bool plain() const { return !busy() && (flmcr1_ & kVerify) == 0; }
   // Returns whether a pulse or its setup is active. While busy() is true, a read, fetch or exception is an
   // error.
-  bool busy() const { return (flmcr1_ & 0x03) != 0 || (flmcr2_ & 0x01) != 0; }
+  bool busy() const { return (flmcr1_ & kPulse) != 0 || (flmcr2_ & FLMCR2::PSU) != 0; }
   // Returns the value that a read yields while plain() is false. `cell` is the stored byte.
   std::uint8_t read(Machine& m, std::uint32_t address, std::uint8_t cell, States at);
   // Enters error protection: sets FLER and ends the running pulse early. No other pulse begins before a
@@ -64,6 +65,9 @@ class FlashControl {
   }
 
  private:
+  static constexpr std::uint8_t kVerify = FLMCR1::EV | FLMCR1::PV, kPulse = FLMCR1::E | FLMCR1::P,
+                                kModes = kVerify | kPulse;
+
   void end_pulse(Machine& m, States at);
   void program(Machine& m, double share);
   void erase(Machine& m, double share);
@@ -71,7 +75,7 @@ class FlashControl {
   double microseconds(const Machine& m, States states) const;
   bool cell_moves(const Machine& m, std::uint32_t cell, double share) const;
 
-  std::uint8_t flmcr1_ = 0x80, flmcr2_ = 0, ebr1_ = 0, ebr2_ = 0;
+  std::uint8_t flmcr1_ = FLMCR1::FWE, flmcr2_ = 0, ebr1_ = 0, ebr2_ = 0;
   std::uint32_t line_ = 0;     // address of the 32-byte line to program
   std::uint32_t latched_ = 0;  // one bit for each latched byte of the line
   std::array<std::uint8_t, 32> data_{};

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -14,7 +15,7 @@ class Machine;
 
 class Frt {
  public:
-  // Register accesses. `address` is the low 16 bits: FF90..FF9F. `at` is the end of the bus cycle.
+  // Register accesses. `address` is the low 16 bits: TIER..ICRD. `at` is the end of the bus cycle.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // Returns the value of the register at the time of the last advance().
@@ -32,13 +33,13 @@ class Frt {
   void clock_edge(Machine& m, States at);
 
   // Output 0 is FTOA, output 1 is FTOB.
-  bool drives(unsigned output) const { return (tocr_ & (output ? 4 : 8)) != 0; }
+  bool drives(unsigned output) const { return (tocr_ & (output ? TOCR::OEB : TOCR::OEA)) != 0; }
   bool level(unsigned output) const { return level_[output]; }
   // Returns the earliest time at which a match can change level(). Matches up to the last advance() are
   // ignored.
   States next_change(States epoch, unsigned output) const;
   bool waits_for_input() const {
-    return (tier_ & 0xf0) != 0 || ((tcr_ & 3) == 3 && (tier_ & 0x0e));
+    return (tier_ & kCaptures) != 0 || ((tcr_ & FRT_TCR::CKS) == FRT_TCR::CKS && (tier_ & kCounts));
   }
 
   // Serializes the complete state (shared/base/archive.hpp).
@@ -50,6 +51,10 @@ class Frt {
   }
 
  private:
+  // Bits of TIER. The flags in TCSR have the same positions.
+  static constexpr std::uint8_t kCaptures = TIER::ICIAE | TIER::ICIBE | TIER::ICICE | TIER::ICIDE,
+                                kCounts = TIER::OCIAE | TIER::OCIBE | TIER::OVIE;
+
   States divisor() const;  // clock divisor; 0: external clock
   // Returns the number of counts to the next match or overflow.
   std::int64_t to_next() const;
@@ -63,7 +68,7 @@ class Frt {
   // Time for which `count_` is valid, in ticks of the timer's clock since Machine::epoch.
   States tick_ = 0;
   StickyFlags flags_;
-  std::uint8_t tier_ = 1, tcr_ = 0, tocr_ = 0, temp_ = 0;
+  std::uint8_t tier_ = TIER::ONE, tcr_ = 0, tocr_ = 0, temp_ = 0;
   bool clear_on_a_ = false;
   // Used while OCRAMS is set. At the next compare match A, the timer adds OCRAF (true) or OCRAR (false) to
   // OCRA.

@@ -85,8 +85,8 @@ bool Interrupts::priority(unsigned vector) const {
 
 bool Interrupts::acceptable(unsigned vector, std::uint8_t control, bool two_level) const {
   if (vector == vec::nmi) return true;
-  if (!(control & 0x80)) return true;
-  return two_level && !(control & 0x40) && priority(vector);
+  if (!(control & CCR::I)) return true;
+  return two_level && !(control & CCR::UI) && priority(vector);
 }
 
 Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, bool two_level,
@@ -94,7 +94,7 @@ Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, boo
   Choice choice;
   // Nearly always there is one, and it is not masked.
   if (const std::uint64_t one = pending_[0] | pending_[1];
-      !(control & 0x80) && (one & (one - 1)) == 0 && (pending_[0] == 0 || pending_[1] == 0) &&
+      !(control & CCR::I) && (one & (one - 1)) == 0 && (pending_[0] == 0 || pending_[1] == 0) &&
       one != 0) {
     const unsigned v = (pending_[0] == 0 ? 64u : 0u) + static_cast<unsigned>(std::countr_zero(one));
     choice.earliest = since_[v] + decision + 1;
@@ -121,7 +121,7 @@ Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, boo
 void Interrupts::accepted(unsigned vector, States at) {
   if (vector == vec::nmi) set(vector, false, at);
   if (vector == vec::address_break) {
-    abrkcr_ &= 0x7f;
+    abrkcr_ &= ~ABRKCR::CMF;
     set(vector, false, at);
   }
   if (vector < vec::irq0 || vector >= vec::irq0 + 3) return;
@@ -155,23 +155,23 @@ void Interrupts::set_nmi_pin(bool level, bool rising_edge, States at) {
 
 std::optional<std::uint8_t> Interrupts::peek(std::uint32_t address) const {
   switch (address) {
-    case 0xfee8:
-    case 0xfee9:
-    case 0xfeea:
-      return icr_[address - 0xfee8];
-    case 0xfeeb:
+    case io::ICRA:
+    case io::ICRB:
+    case io::ICRC:
+      return icr_[address - io::ICRA];
+    case io::ISR:
       return isr_.value();
-    case 0xfeec:
+    case io::ISCRH:
       return iscrh_;
-    case 0xfeed:
+    case io::ISCRL:
       return iscrl_;
-    case 0xfef4:
+    case io::ABRKCR:
       return abrkcr_;
-    case 0xfef5:
-    case 0xfef6:
-    case 0xfef7:
-      return bar_[address - 0xfef5];
-    case 0xffc2:
+    case io::BARA:
+    case io::BARB:
+    case io::BARC:
+      return bar_[address - io::BARA];
+    case io::IER:
       return ier_;
     default:
       return std::nullopt;
@@ -179,41 +179,41 @@ std::optional<std::uint8_t> Interrupts::peek(std::uint32_t address) const {
 }
 
 std::optional<std::uint8_t> Interrupts::read(std::uint32_t address) {
-  if (address == 0xfeeb) return isr_.read();
+  if (address == io::ISR) return isr_.read();
   return peek(address);
 }
 
 bool Interrupts::write(std::uint32_t address, std::uint8_t value, States at) {
   switch (address) {
-    case 0xfee8:
-    case 0xfee9:
-    case 0xfeea:
-      icr_[address - 0xfee8] = value;
+    case io::ICRA:
+    case io::ICRB:
+    case io::ICRC:
+      icr_[address - io::ICRA] = value;
       break;
-    case 0xfeeb:
+    case io::ISR:
       isr_.write(value);
       break;
-    case 0xfeec:
+    case io::ISCRH:
       iscrh_ = value;
       break;
-    case 0xfeed:
+    case io::ISCRL:
       iscrl_ = value;
       break;
-    case 0xfef4:
-      abrkcr_ = static_cast<std::uint8_t>((abrkcr_ & 0x80) | (value & 1));
-      if (!(value & 1)) {
+    case io::ABRKCR:
+      abrkcr_ = (abrkcr_ & ABRKCR::CMF) | (value & ABRKCR::BIE);
+      if (!(value & ABRKCR::BIE)) {
         abrkcr_ = 0;
         set(vec::address_break, false, at);
       }
       break;
-    case 0xfef5:
-    case 0xfef6:
-      bar_[address - 0xfef5] = value;
+    case io::BARA:
+    case io::BARB:
+      bar_[address - io::BARA] = value;
       break;
-    case 0xfef7:
-      bar_[2] = value & 0xfe;
+    case io::BARC:
+      bar_[2] = value & ~BARC::ZERO;
       break;
-    case 0xffc2:
+    case io::IER:
       ier_ = value;
       break;
     default:

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -52,7 +53,7 @@ class Interrupts {
   // bits I and UI.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
-    return !(control & 0x80) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
+    return !(control & CCR::I) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
   }
   // Decision whether the CPU accepts an interrupt at an instruction boundary.
   struct Choice {
@@ -82,15 +83,15 @@ class Interrupts {
   void set_irq_pin(unsigned n, bool level, States at);
   void set_nmi_pin(bool level, bool rising_edge, States at);
   bool nmi_level() const { return nmi_level_; }
-  bool any_irq_enabled() const { return (ier_ & 7) != 0; }
+  bool any_irq_enabled() const { return (ier_ & (IER::IRQ2E | IER::IRQ1E | IER::IRQ0E)) != 0; }
 
   // Returns whether the address break is enabled. If the result is true, fetched() must be called before each
   // instruction.
-  bool watches_fetches() const { return (abrkcr_ & 1) != 0; }
+  bool watches_fetches() const { return (abrkcr_ & ABRKCR::BIE) != 0; }
   void fetched(std::uint32_t pc, States at) {
     const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
     if (pc != bar) return;
-    abrkcr_ |= 0x80;
+    abrkcr_ |= ABRKCR::CMF;
     set(vec::address_break, true, at);
   }
 
@@ -120,7 +121,7 @@ class Interrupts {
   void change(unsigned vector, bool level, States at);
   bool acceptable(unsigned vector, std::uint8_t control, bool two_level) const;
   bool priority(unsigned vector) const;
-  unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & 3u; }
+  unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & ISCRL::IRQ0SC; }
   void update_irq(States at);
 
   std::array<States, vec::count> since_ = filled();  // time of each request; kNever: no request

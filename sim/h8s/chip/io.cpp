@@ -37,40 +37,42 @@ constexpr bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) 
 
 // Resolves the register banks selected by STCR, TCONRS and others (hardware manual, register list).
 constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
-  const bool iice = (stcr & 0x10) != 0, flshe = (stcr & 0x08) != 0;
-  if (a == 0xfee4) return {Unit::adc, Stop_adc};
-  if (within(a, 0xfee8, 0xfeed) || within(a, 0xfef4, 0xfef7) || a == 0xffc2)
+  const bool iice = (stcr & STCR::IICE) != 0, flshe = (stcr & STCR::FLSHE) != 0;
+  if (a == io::KBCOMP) return {Unit::adc, Stop_adc};
+  if (within(a, io::ICRA, io::ISCRL) || within(a, io::ABRKCR, io::BARC) || a == io::IER)
     return {Unit::interrupts};
-  if (within(a, 0xff80, 0xff87)) {
-    if (flshe) return {a <= 0xff83 ? Unit::flash : Unit::none};
-    if (a == 0xff82) return {Unit::pwm_clock, Stop_pwm};
-    return {a >= 0xff83 ? Unit::system : Unit::none};
+  if (within(a, io::FLMCR1, io::MSTPCRL)) {
+    if (flshe) return {a <= io::EBR2 ? Unit::flash : Unit::none};
+    if (a == io::PCSR) return {Unit::pwm_clock, Stop_pwm};
+    return {a >= io::SYSCR2 ? Unit::system : Unit::none};
   }
-  if (within(a, 0xff88, 0xff8f) || within(a, 0xffd8, 0xffdf)) {
-    const std::uint8_t n = a >= 0xffd8 ? 0 : 1, offset = a & 7;
-    const bool iic = iice && (offset <= 1 || offset >= 6);
-    if (iic || offset == 7) return {Unit::absent};
+  if (within(a, io::SMR1, io::ICMR1) || within(a, io::SMR0, io::ICMR0)) {
+    const std::uint8_t n = a >= io::SMR0 ? 0 : 1, offset = a % 8;
+    const bool iic = iice && (offset <= Sci::kBrr || offset >= Sci::kScmr);
+    if (iic || offset > Sci::kScmr) return {Unit::absent};
     return {Unit::sci, n == 0 ? std::int8_t{Stop_sci0} : std::int8_t{Stop_sci1}, n};
   }
-  if (within(a, 0xff90, 0xff9f)) return {Unit::frt, Stop_frt};
-  if (within(a, 0xffa8, 0xffa9)) return {Unit::wdt, -1, 0};
-  if (within(a, 0xffea, 0xffeb)) return {Unit::wdt, -1, 1};
-  if (within(a, 0xffac, 0xffae) || within(a, 0xffb0, 0xffbb) || a == 0xffbe) return {Unit::ports};
-  if (within(a, 0xffc3, 0xffc7)) return {Unit::system};
-  if (within(a, 0xffc8, 0xffd1)) return {Unit::tmr, Stop_tmr};
-  if (within(a, 0xfff0, 0xfff7) || within(a, 0xfffc, 0xffff)) return {Unit::tmr_xy, Stop_tmrxy};
-  if (iice && (within(a, 0xffa0, 0xffa1) || within(a, 0xffa6, 0xffa7)))
+  if (within(a, io::TIER, io::ICRD16 + 1)) return {Unit::frt, Stop_frt};
+  if (within(a, io::WTCSR0, io::WTCNT0)) return {Unit::wdt, -1, 0};
+  if (within(a, io::WTCSR1, io::WTCNT1)) return {Unit::wdt, -1, 1};
+  if (within(a, io::P1PCR, io::P3PCR) || within(a, io::P1DDR, io::P6DR) || a == io::P7PIN)
+    return {Unit::ports};
+  if (within(a, io::STCR, io::WSCR)) return {Unit::system};
+  if (within(a, io::TCR0, io::TCNT1)) return {Unit::tmr, Stop_tmr};
+  if (within(a, io::TCRX, io::TCORBX) || within(a, io::TCONRI, io::SEDGR))
+    return {Unit::tmr_xy, Stop_tmrxy};
+  if (iice && (within(a, io::DADRA, io::DADRA + 1) || within(a, io::DADRB, io::DADRB + 1)))
     return {Unit::pwmx, Stop_pwm};
-  if (within(a, 0xffd2, 0xffd7)) return {Unit::pwm, Stop_pwm};
-  if (within(a, 0xffe0, 0xffe9)) return {Unit::adc, Stop_adc};
-  if (within(a, 0xfeee, 0xfef3)) return {Unit::dtc, Stop_dtc};
-  if (a == 0xfee6) return {Unit::absent};
+  if (within(a, io::PWOERB, io::PWDR)) return {Unit::pwm, Stop_pwm};
+  if (within(a, io::ADDRA, io::ADCR)) return {Unit::adc, Stop_adc};
+  if (within(a, io::DTCERA, io::DTVECR)) return {Unit::dtc, Stop_dtc};
+  if (a == io::DDCSWR) return {Unit::absent};
   return {};
 }
 
 // The same as a table: FE00..FFFF for each combination of STCR's bank bits.
-constexpr unsigned kBankShift = 3, kBanks = 4;
-constexpr std::uint32_t kFirstPlace = 0xfe00, kPlaces = 0x200;
+constexpr unsigned kBankShift = std::countr_zero(STCR::FLSHE), kBanks = 4;
+constexpr std::uint32_t kPlaces = 0x200, kFirstPlace = 0x10000 - kPlaces;
 
 constexpr auto make_places() {
   std::array<std::array<Place, kPlaces>, kBanks> places{};
@@ -156,7 +158,7 @@ void Machine::accessed(const Place& p, std::uint32_t a, States at, bool written)
       break;
     case Unit::ports:
       // Port 6 is where timers count and capture.
-      if (written && (a == 0xffb9 || a == 0xffbb)) reschedule_all();
+      if (written && (a == io::P6DDR || a == io::P6DR)) reschedule_all();
       break;
     case Unit::none:
     case Unit::absent:
@@ -205,10 +207,10 @@ inline std::uint8_t Machine::io_read_at(std::uint32_t address, States at) {
       return adc.read_now(address & 0xffff);
     case Frequent::sci0:
       if (due(Source::sci0, at)) break;
-      return sci[0].read_now(address & 7);
+      return sci[0].read_now(address % 8);
     case Frequent::sci1:
       if (due(Source::sci1, at)) break;
-      return sci[1].read_now(address & 7);
+      return sci[1].read_now(address % 8);
     default:
       break;
   }
@@ -233,7 +235,7 @@ std::uint16_t Machine::load_io16(std::uint32_t address) {
   const unsigned high = io_read_at(address, time());
   if (frequent != Frequent::none || !wide(address)) add_stall(cpu, 2);
   // The lower byte of a result was latched with the upper one.
-  if (frequent == Frequent::adc && within(address & 0xffff, 0xffe0, 0xffe7))
+  if (frequent == Frequent::adc && within(address & 0xffff, io::ADDRA, io::ADDRD + 1))
     return static_cast<std::uint16_t>(high << 8 | adc.read_now((address + 1) & 0xffff));
   return static_cast<std::uint16_t>(high << 8 | io_read_at(address + 1, time()));
 }
@@ -267,12 +269,12 @@ inline void Machine::io_write_at(std::uint32_t address, std::uint8_t value, Stat
       if (ports.holds(address & 0xffff, value)) return;
       break;
     case Frequent::sci0:
-      sci[0].write(*this, 0, address & 7, value, at);
+      sci[0].write(*this, 0, address % 8, value, at);
       rescheduled(Source::sci0, sci[0].next_event());
       sample_pins(1u << 5);
       return check_raised();
     case Frequent::sci1:
-      sci[1].write(*this, 1, address & 7, value, at);
+      sci[1].write(*this, 1, address % 8, value, at);
       rescheduled(Source::sci1, sci[1].next_event());
       sample_pins(1u << 2);
       return check_raised();
@@ -304,7 +306,7 @@ std::uint8_t Machine::read_register(const Place& p, std::uint32_t address, State
     case Unit::pwmx:
       return pwmx.read(a, at);
     case Unit::sci:
-      return sci[p.n].read(*this, p.n, a & 7, at);
+      return sci[p.n].read(*this, p.n, a % 8, at);
     case Unit::adc:
       return adc.read(*this, a, at);
     case Unit::wdt:
@@ -316,7 +318,8 @@ std::uint8_t Machine::read_register(const Place& p, std::uint32_t address, State
       misuse(a, "read of an address without a register");
       break;
     case Unit::ports:
-      if (within(a, 0xffb0, 0xffb9) && !within(a, 0xffb2, 0xffb3) && !within(a, 0xffb6, 0xffb7))
+      if (within(a, io::P1DDR, io::P6DDR) && !within(a, io::P1DR, io::P2DR) &&
+          !within(a, io::P3DR, io::P4DR))
         misuse(a, "read of a data direction register, which is write-only");
       break;
     default:
@@ -332,7 +335,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::interrupts:
       return irq.peek(a);
     case Unit::ports:
-      if (a == 0xffbb) advance_outputs(time());
+      if (a == io::P6DR) advance_outputs(time());
       return ports.read(*this, a);
     case Unit::frt:
       frt.advance(*this, time());
@@ -349,7 +352,7 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
     case Unit::pwm_clock:
       return pwm.peek(a);
     case Unit::sci:
-      return sci[p.n].peek(a & 7);
+      return sci[p.n].peek(a % 8);
     case Unit::adc:
       adc.advance(*this, time());
       return adc.peek(a);
@@ -365,23 +368,23 @@ std::optional<std::uint8_t> Machine::io_peek(std::uint32_t address) {
       return std::nullopt;
   }
   switch (a) {
-    case 0xff83:
+    case io::SYSCR2:
       return system.syscr2;
-    case 0xff84:
+    case io::SBYCR:
       return system.sbycr;
-    case 0xff85:
+    case io::LPWRCR:
       return system.lpwrcr;
-    case 0xff86:
+    case io::MSTPCRH:
       return static_cast<std::uint8_t>(system.mstpcr >> 8);
-    case 0xff87:
+    case io::MSTPCRL:
       return static_cast<std::uint8_t>(system.mstpcr);
-    case 0xffc3:
+    case io::STCR:
       return system.stcr;
-    case 0xffc4:
+    case io::SYSCR:
       return system.syscr;
-    case 0xffc5:
+    case io::MDCR:
       return system.mdcr;
-    case 0xffc6:
+    case io::BCR:
       return system.bcr;
     default:
       return system.wscr;
@@ -417,7 +420,7 @@ void Machine::write_register(const Place& p, std::uint32_t a, std::uint8_t value
       pwm.write(*this, a, value, at);
       return;
     case Unit::sci:
-      sci[p.n].write(*this, p.n, a & 7, value, at);
+      sci[p.n].write(*this, p.n, a % 8, value, at);
       return;
     case Unit::adc:
       adc.write(*this, a, value, at);
@@ -460,39 +463,40 @@ void Machine::io_write_word(std::uint32_t address, std::uint16_t value) {
 
 void Machine::write_system(std::uint32_t a, std::uint8_t value, States at) {
   switch (a) {
-    case 0xff83:
+    case io::SYSCR2:
       system.syscr2 = value;
       break;
-    case 0xff84:
-      system.sbycr = value & 0xf7;
+    case io::SBYCR:
+      system.sbycr = value & ~SBYCR::ZERO;
       break;
-    case 0xff85:
-      system.lpwrcr = value & 0xf0;
+    case io::LPWRCR:
+      system.lpwrcr = value & ~LPWRCR::ZERO;
       break;
-    case 0xff86:
+    case io::MSTPCRH:
       set_module_stop(static_cast<std::uint16_t>(value << 8 | (system.mstpcr & 0xff)), at);
       break;
-    case 0xff87:
+    case io::MSTPCRL:
       set_module_stop(static_cast<std::uint16_t>((system.mstpcr & 0xff00) | value), at);
       break;
-    case 0xffc3:
+    case io::STCR:
       tmr.advance(*this, at);
-      system.stcr = value & 0xfb;
+      system.stcr = value & ~STCR::ZERO;
       find_frequent();
       tmr.clock_changed(*this, at);
       break;
-    case 0xffc4:
-      system.syscr = static_cast<std::uint8_t>((value & 0xf7) | (system.syscr & 0x08));
-      if (value & 0x02) misuse(a, "SYSCR.HIE set: this part has no host interface");
-      if (value & 0x20) misuse(a, "SYSCR.INTM1 set: interrupt control modes 2 and 3 do not exist");
-      cpu.two_level = (value & 0x10) != 0;
-      set_ram_enabled((value & 1) != 0);
+    case io::SYSCR:
+      system.syscr = (value & ~SYSCR::XRST) | (system.syscr & SYSCR::XRST);
+      if (value & SYSCR::HIE) misuse(a, "SYSCR.HIE set: this part has no host interface");
+      if (value & SYSCR::INTM1)
+        misuse(a, "SYSCR.INTM1 set: interrupt control modes 2 and 3 do not exist");
+      cpu.two_level = (value & SYSCR::INTM0) != 0;
+      set_ram_enabled((value & SYSCR::RAME) != 0);
       break;
-    case 0xffc5:
-      system.mdcr = static_cast<std::uint8_t>((value & 0x80) | (system.mdcr & 0x03));
-      if (value & 0x80) misuse(a, "MDCR.EXPE set: expanded mode is not modeled");
+    case io::MDCR:
+      system.mdcr = (value & MDCR::EXPE) | (system.mdcr & MDCR::MDS);
+      if (value & MDCR::EXPE) misuse(a, "MDCR.EXPE set: expanded mode is not modeled");
       break;
-    case 0xffc6:
+    case io::BCR:
       system.bcr = value;
       break;
     default:

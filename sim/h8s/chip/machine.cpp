@@ -167,7 +167,7 @@ void Machine::reset(ResetCause why, States at) {
   flash_control.cut(*this, began);
   choose_paths();
   cpu.exr = 0x7f;
-  set_ccr(cpu, options.reset_ccr | 0x80u);
+  set_ccr(cpu, options.reset_ccr | CCR::I);
   cpu.two_level = cpu.hold_off = cpu.asleep = cpu.moving = false;
   cpu.fault = Fault::none;
   cpu.stc_copies = options.stc_copies;
@@ -185,16 +185,16 @@ void Machine::reset(ResetCause why, States at) {
   wdt = {};
   dtc = {};
   system = {};
-  system.mdcr = static_cast<std::uint8_t>(options.mode & 3);
-  const bool boots = options.mode == 0 && (ports.pins(*this, 4, at) & 7) == 7;
+  system.mdcr = options.mode & MDCR::MDS;
+  const bool boots = options.mode == 0 && ports.pins(*this, 4, at) % 8 == 7;
   if (options.mode == 0 && !boots)
     misuse(
-        0xffc5,
+        io::MDCR,
         "mode pins are 0, but P42, P41 and P40 are not all high: boot mode needs these pins high");
   else if (options.mode != 0 && options.mode != 2 && options.mode != 3)
-    misuse(0xffc5, "mode pins select a mode other than 2 and 3: expanded buses are not modeled");
-  if (why != ResetCause::watchdog) system.syscr |= 0x08;
-  if (why == ResetCause::watchdog) system.syscr = 0x01;
+    misuse(io::MDCR, "mode pins select a mode other than 2 and 3: expanded buses are not modeled");
+  if (why != ResetCause::watchdog) system.syscr |= SYSCR::XRST;
+  if (why == ResetCause::watchdog) system.syscr = SYSCR::RAME;
   adc = {};
   for (unsigned n = 0; n < 2; ++n) sci[n].reset(*this, n, at);
   cpu.ip = cpu.code;
@@ -214,7 +214,7 @@ void Machine::set_pc(std::uint32_t address) {
 }
 
 void Machine::misuse(std::uint32_t address, const char* text) {
-  if (address >= 0xfe50 && address <= 0xffff) address |= cpu.mask & 0xff0000;
+  if (address - ((kBlock + kIo) & 0xffff) < kIoSize) address |= cpu.mask & 0xff0000;
   const std::uint32_t at = pc();
   const auto same = [&](const Misuse& m) {
     return m.address == address && m.pc == at && m.text == text;

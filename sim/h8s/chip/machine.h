@@ -23,6 +23,7 @@
 #include "sim/h8s/chip/ports.h"
 #include "sim/h8s/chip/pwm.h"
 #include "sim/h8s/chip/pwmx.h"
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sci.h"
 #include "sim/h8s/chip/tmr.h"
 #include "sim/h8s/chip/tmr_xy.h"
@@ -32,9 +33,14 @@
 
 namespace kaz::h8s {
 
-// Numbers of the module stop bits in MSTPCR.
-inline constexpr unsigned Stop_dtc = 14, Stop_frt = 13, Stop_tmr = 12, Stop_pwm = 11, Stop_adc = 9,
-                          Stop_tmrxy = 8, Stop_sci0 = 7, Stop_sci1 = 6;
+// Numbers of the module stop bits in MSTPCR, from their masks in MSTPCRH or MSTPCRL.
+constexpr unsigned mstp(unsigned high, unsigned low = 0) {
+  return static_cast<unsigned>(std::countr_zero(high << 8 | low));
+}
+inline constexpr unsigned Stop_dtc = mstp(MSTPCRH::DTC), Stop_frt = mstp(MSTPCRH::FRT),
+                          Stop_tmr = mstp(MSTPCRH::TMR01), Stop_pwm = mstp(MSTPCRH::PWM),
+                          Stop_adc = mstp(MSTPCRH::ADC), Stop_tmrxy = mstp(MSTPCRH::TMRXY),
+                          Stop_sci0 = mstp(0, MSTPCRL::SCI0), Stop_sci1 = mstp(0, MSTPCRL::SCI1);
 
 // Callbacks of the chip's user. An empty function means no callback.
 struct Listeners {
@@ -44,11 +50,9 @@ struct Listeners {
   std::function<double(int, States)> analog;
 };
 
-inline constexpr std::uint8_t kSsby = 0x80;  // SBYCR.SSBY: SLEEP begins standby
-
 // System registers that do not belong to a module class.
 struct SystemRegisters {
-  std::uint8_t stcr = 0, syscr = 0x09, mdcr = 0, bcr = 0xd7, wscr = 0x33;
+  std::uint8_t stcr = 0, syscr = SYSCR::XRST | SYSCR::RAME, mdcr = 0, bcr = 0xd7, wscr = 0x33;
   std::uint8_t syscr2 = 0, sbycr = 0, lpwrcr = 0;
   std::uint16_t mstpcr = 0x3fff;
   template <class A>
@@ -309,7 +313,7 @@ class Machine final : public Bus {
   States settling_states() const;
   States cpu_divider() const;
   void begin_slow() {
-    slow_by_ = (system.sbycr & 7) == 0 ? 1 : cpu_divider();
+    slow_by_ = (system.sbycr & SBYCR::SCK) == 0 ? 1 : cpu_divider();
     slow_from_ = slow_by_ == 1 ? kNever : cpu.now;
   }
   void end_slow() {

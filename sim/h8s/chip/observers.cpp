@@ -16,7 +16,7 @@ constexpr std::uint32_t kNowhere = 0x80000000;
 
 Flow flow_of(std::uint16_t first_word) {
   const unsigned high = first_word >> 8;
-  if ((high & 0xf0) == 0x40) return high < 0x42 ? Flow::jump : Flow::branch;
+  if (high >> 4 == 0x4) return high < 0x42 ? Flow::jump : Flow::branch;
   switch (high) {
     case 0x58:
       return (first_word & 0xff) < 0x20 ? Flow::jump : Flow::branch;

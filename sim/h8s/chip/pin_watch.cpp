@@ -47,9 +47,9 @@ PinState control_pin(const Machine& m, Pin pin) {
     case Pin::nmi:
       return {m.irq.nmi_level(), Driver::board, false};
     case Pin::md0:
-      return {(m.options.mode & 1) != 0, Driver::board, false};
+      return {(m.options.mode & MDCR::MDS0) != 0, Driver::board, false};
     case Pin::md1:
-      return {(m.options.mode & 2) != 0, Driver::board, false};
+      return {(m.options.mode & MDCR::MDS1) != 0, Driver::board, false};
     default:  // RES and STBY: a chip that runs has them high
       return {true, Driver::board, false};
   }

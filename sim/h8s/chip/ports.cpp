@@ -15,37 +15,37 @@ struct PortRegister {
 
 std::optional<PortRegister> port_register(std::uint32_t address) {
   switch (address) {
-    case 0xffac:
+    case io::P1PCR:
       return PortRegister{Kind::pcr, 1};
-    case 0xffad:
+    case io::P2PCR:
       return PortRegister{Kind::pcr, 2};
-    case 0xffae:
+    case io::P3PCR:
       return PortRegister{Kind::pcr, 3};
-    case 0xffb0:
+    case io::P1DDR:
       return PortRegister{Kind::ddr, 1};
-    case 0xffb1:
+    case io::P2DDR:
       return PortRegister{Kind::ddr, 2};
-    case 0xffb2:
+    case io::P1DR:
       return PortRegister{Kind::dr, 1};
-    case 0xffb3:
+    case io::P2DR:
       return PortRegister{Kind::dr, 2};
-    case 0xffb4:
+    case io::P3DDR:
       return PortRegister{Kind::ddr, 3};
-    case 0xffb5:
+    case io::P4DDR:
       return PortRegister{Kind::ddr, 4};
-    case 0xffb6:
+    case io::P3DR:
       return PortRegister{Kind::dr, 3};
-    case 0xffb7:
+    case io::P4DR:
       return PortRegister{Kind::dr, 4};
-    case 0xffb8:
+    case io::P5DDR:
       return PortRegister{Kind::ddr, 5};
-    case 0xffb9:
+    case io::P6DDR:
       return PortRegister{Kind::ddr, 6};
-    case 0xffba:
+    case io::P5DR:
       return PortRegister{Kind::dr, 5};
-    case 0xffbb:
+    case io::P6DR:
       return PortRegister{Kind::dr, 6};
-    case 0xffbe:
+    case io::P7PIN:
       return PortRegister{Kind::pins, 7};
     default:
       return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<PortRegister> port_register(std::uint32_t address) {
 
 // Bits that exist.
 constexpr std::uint8_t width(unsigned port) {
-  return port == 5 ? 0x07 : 0xff;
+  return port == 5 ? static_cast<std::uint8_t>(~P5DR::ONE) : 0xff;
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ PortOutput Ports::output(const Machine& m, unsigned port, States at) const {
     }
     if (port == 2) serial(m.sci[1], 5, 6, 7);
   } else if (port == 4) {
-    if (ddr_[4] & 0x40) own(6, false);  // the clock itself, not a level
+    if (ddr_[4] & P4DDR::P46DDR) own(6, false);  // the clock itself, not a level
   } else if (port == 5) {
     serial(m.sci[0], 0, 1, 2);
   } else if (port == 6) {
@@ -144,7 +144,7 @@ std::optional<std::uint8_t> Ports::read(const Machine& m, std::uint32_t address)
       return pins(m, port, at);
     case Kind::dr: {
       std::uint8_t ddr = ddr_[port];
-      if (port == 4) ddr &= 0xbf;  // P46 reads the pin
+      if (port == 4) ddr &= ~P4DDR::P46DDR;  // P46 reads the pin
       const auto mixed = static_cast<std::uint8_t>((dr_[port] & ddr) | (pins(m, port, at) & ~ddr));
       return static_cast<std::uint8_t>((mixed & width(port)) | (0xff & ~width(port)));
     }

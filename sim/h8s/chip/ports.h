@@ -15,7 +15,7 @@ class Machine;
 
 class Ports {
  public:
-  // Register accesses. `address` contains only the low 16 bits of the address: FFAC..FFBE. These functions
+  // Register accesses. `address` contains only the low 16 bits of the address: P1PCR..P7PIN. These functions
   // return nullopt or false if the address does not belong to a register of a port.
   std::optional<std::uint8_t> read(const Machine& m, std::uint32_t address) const;
   bool write(Machine& m, std::uint32_t address, std::uint8_t value, States at);

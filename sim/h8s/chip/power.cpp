@@ -6,21 +6,16 @@
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
-namespace {
-
-constexpr std::uint8_t kDton = 0x80, kLson = 0x40;
-
-}  // namespace
 
 // SBYCR.STS: oscillator settling time before clocks resume.
 States Machine::settling_states() const {
   constexpr States table[] = {8192, 16384, 32768, 65536, 131072, 262144, 16, 16};
-  return table[system.sbycr >> 4 & 7];
+  return table[field<SBYCR::STS>(system.sbycr)];
 }
 
 // SBYCR.SCK2-0: states of the modules to one of the CPU.
 States Machine::cpu_divider() const {
-  const unsigned select = system.sbycr & 7u;
+  const unsigned select = system.sbycr & SBYCR::SCK;
   return select > 5 ? 1 : States{1} << select;
 }
 
@@ -33,7 +28,7 @@ void Machine::count_slow() {
 // A request that is pending when SLEEP executes keeps the chip awake.
 bool Machine::stands_by() const {
   if (standby_) return true;
-  if (!cpu.asleep || !(system.sbycr & kSsby)) return false;
+  if (!cpu.asleep || !(system.sbycr & SBYCR::SSBY)) return false;
   const auto choice =
       irq.choose(cpu.now, cpu.control, cpu.two_level, options.interrupt_decision_states);
   return choice.vector == 0 && choice.earliest == kNever;
@@ -44,11 +39,12 @@ void Machine::enter_standby() {
   standby_ = true;
   wakes_at_ = kNever;
   watch_ = wdt[1].subclocked();
-  if (system.lpwrcr & (kDton | kLson))
-    misuse(0xff85, "subactive mode and direct transition (LSON, DTON) are not modeled");
+  if (system.lpwrcr & (LPWRCR::DTON | LPWRCR::LSON))
+    misuse(io::LPWRCR, "subactive mode and direct transition (LSON, DTON) are not modeled");
   if (watch_ && options.subclock_states == 0)
-    misuse(0xffea, "watch mode needs a subclock, but Options::subclock_states is 0");
-  if ((system.sbycr >> 4 & 7) > 5) misuse(0xff84, "SBYCR.STS selects a reserved settling time");
+    misuse(io::WTCSR1, "watch mode needs a subclock, but Options::subclock_states is 0");
+  if (field<SBYCR::STS>(system.sbycr) > 5)
+    misuse(io::SBYCR, "SBYCR.STS selects a reserved settling time");
   // These modules lose their registers; ports, timers, watchdogs and the DTC keep theirs.
   for (unsigned n = 0; n < 2; ++n) sci[n].reset(*this, n, cpu.now);
   adc.reset(*this, cpu.now);

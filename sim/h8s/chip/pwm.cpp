@@ -11,8 +11,8 @@ namespace kaz::h8s {
 bool pwm_pulse(std::uint8_t data, unsigned count, bool right_aligned) {
   // Basic pulses that get an additional count, in the order in which the lower nibble adds them.
   constexpr std::array<std::uint8_t, 15> order{15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8};
-  const unsigned width = data >> 4, extra = data & 15u, pulse = count >> 4;
-  const unsigned slot = right_aligned ? count & 15u : 15 - (count & 15u);
+  const unsigned width = data >> 4, extra = data % 16u, pulse = count >> 4;
+  const unsigned slot = right_aligned ? count % 16 : 15 - count % 16;
   if (slot >= 16 - width) return true;
   if (slot != 15 - width) return false;
   for (unsigned k = 0; k < extra; ++k) {
@@ -53,18 +53,18 @@ int Pwm::high_counts(unsigned channel, States at) const {
 
 std::uint8_t Pwm::peek(std::uint32_t address) const {
   switch (address) {
-    case 0xffd2:
+    case io::PWOERB:
       return static_cast<std::uint8_t>(oe_ >> 8);
-    case 0xffd3:
+    case io::PWOERA:
       return static_cast<std::uint8_t>(oe_);
-    case 0xffd4:
+    case io::PWDPRB:
       return static_cast<std::uint8_t>(os_ >> 8);
-    case 0xffd5:
+    case io::PWDPRA:
       return static_cast<std::uint8_t>(os_);
-    case 0xffd6:
+    case io::PWSL:
       return select_;
-    case 0xffd7:
-      return data_[select_ & 15];
+    case io::PWDR:
+      return data_[select_ & PWSL::RS];
     default:
       return pcsr_;
   }
@@ -80,34 +80,34 @@ void Pwm::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   int channel = -1;
   bool changed = true;
   switch (address) {
-    case 0xffd2:
+    case io::PWOERB:
       oe_ = high(oe_);
       break;
-    case 0xffd3:
+    case io::PWOERA:
       oe_ = low(oe_);
       break;
-    case 0xffd4:
+    case io::PWDPRB:
       os_ = high(os_);
       break;
-    case 0xffd5:
+    case io::PWDPRA:
       os_ = low(os_);
       break;
-    case 0xffd6:
-    case 0xff82: {
+    case io::PWSL:
+    case io::PCSR: {
       const States before = divisor();
       base_count_ = counter(at);
       base_ = at;
-      if (address == 0xffd6)
-        select_ = static_cast<std::uint8_t>((value & 0xcf) | 0x20);
+      if (address == io::PWSL)
+        select_ = (value & ~PWSL::ZERO) | PWSL::ONE;
       else
-        pcsr_ = value & 6;
+        pcsr_ = value & PCSR::PWCK;
       changed = divisor() != before;
       break;
     }
     default:
-      channel = select_ & 15;
-      changed = data_[select_ & 15] != value;
-      data_[select_ & 15] = value;
+      channel = select_ & PWSL::RS;
+      changed = data_[select_ & PWSL::RS] != value;
+      data_[select_ & PWSL::RS] = value;
       break;
   }
   if (changed) m.notify(OutputChange::Unit::pwm, channel, at);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
@@ -13,15 +14,15 @@ class Machine;
 
 class Pwm {
  public:
-  // Register accesses: FFD2..FFD7, and PCSR at FF82.
+  // Register accesses: PWOERB..PWDR and PCSR.
   std::uint8_t peek(std::uint32_t address) const;
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // If the write would change no waveform, the function writes the register and returns true. Otherwise the
   // function writes nothing and returns false. If the result is false, the caller must call write().
   bool write_quietly(std::uint32_t address, std::uint8_t value) {
-    if (address == 0xffd7) return data_[select_ & 15] == value;
-    if (address != 0xffd6 || ((value ^ select_) & 0xc0) != 0) return false;
-    select_ = static_cast<std::uint8_t>((value & 0xcf) | 0x20);
+    if (address == io::PWDR) return data_[select_ & PWSL::RS] == value;
+    if (address != io::PWSL || ((value ^ select_) & (PWSL::PWCKE | PWSL::PWCKS)) != 0) return false;
+    select_ = (value & ~PWSL::ZERO) | PWSL::ONE;
     return true;
   }
   // Prescaler and counter start at the time `epoch`, at which the chip was reset.
@@ -47,14 +48,14 @@ class Pwm {
  private:
   // Returns the number of states per count, a power of two; 0: the clock is stopped.
   States divisor() const {
-    if (!(select_ & 0x80)) return 0;
-    return select_ & 0x40 ? States{2} << (pcsr_ >> 1 & 3) : 1;
+    if (!(select_ & PWSL::PWCKE)) return 0;
+    return select_ & PWSL::PWCKS ? States{2} << field<PCSR::PWCK>(pcsr_) : 1;
   }
   States tick(States at) const { return (at - epoch_) / divisor(); }
   unsigned counter(States at) const;
 
   std::uint16_t oe_ = 0, os_ = 0;
-  std::uint8_t select_ = 0x20, pcsr_ = 0;
+  std::uint8_t select_ = PWSL::ONE, pcsr_ = 0;
   std::array<std::uint8_t, 16> data_{};
   // The counter was `base_count_` at time `base_`.
   States epoch_, base_;

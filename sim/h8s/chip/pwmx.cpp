@@ -40,21 +40,21 @@ unsigned Pwmx::counter(States at) const {
 // DACNT shows counter bits 7..0 in its upper byte and 8..13 in bits 7..2 of the lower.
 std::uint16_t Pwmx::packed_counter(States at) const {
   const unsigned c = counter(at);
-  return static_cast<std::uint16_t>((c & 0xff) << 8 | reversed(c >> 8, 6) << 2 | 2u |
-                                    (dadr_[1] & 1u));
+  return static_cast<std::uint16_t>((c & 0xff) << 8 | reversed(c >> 8, 6) << 2 | DACNT::ONE |
+                                    (dadr_[1] & DADR::REGS));
 }
 
 bool Pwmx::level(unsigned channel, States at, bool data_is_low) const {
   const unsigned data = dadr_[channel] >> 2;
-  const bool pulse = pwmx_pulse(data, (dadr_[channel] & 2) != 0, counter(at));
-  const bool inverted = (dacr_ & 2) != 0;
+  const bool pulse = pwmx_pulse(data, (dadr_[channel] & DADR::CFS) != 0, counter(at));
+  const bool inverted = (dacr_ & DACR::OS) != 0;
   return pulse != (data_is_low != inverted);
 }
 
 States Pwmx::next_change(unsigned channel, States at, bool data_is_low) const {
   if (!counting() || !enabled(channel)) return kNever;
   const bool before = level(channel, at, data_is_low);
-  const bool long_cycle = (dadr_[channel] & 2) != 0;
+  const bool long_cycle = (dadr_[channel] & DADR::CFS) != 0;
   const unsigned length = long_cycle ? 256 : 64;
   const States done = (at - base_) / period();  // counts since base_
   States ahead = done;
@@ -72,16 +72,16 @@ States Pwmx::next_change(unsigned channel, States at, bool data_is_low) const {
 
 std::uint8_t Pwmx::peek(std::uint32_t address, States at) const {
   const bool low = (address & 1) != 0;
-  if (address < 0xffa6) {
+  if (address < io::DADRB) {
     if (second_bank()) return low ? 0xff : dacr_;
-    return static_cast<std::uint8_t>(low ? dadr_[0] | 1 : dadr_[0] >> 8);
+    return static_cast<std::uint8_t>(low ? dadr_[0] | DADR::ONE : dadr_[0] >> 8);
   }
   const std::uint16_t word = second_bank() ? packed_counter(at) : dadr_[1];
   return static_cast<std::uint8_t>(low ? word : word >> 8);
 }
 
 std::uint8_t Pwmx::read(std::uint32_t address, States at) {
-  if (address == 0xffa0 && second_bank()) return dacr_;
+  if (address == io::DADRA && second_bank()) return dacr_;
   if (address & 1) return temp_;
   temp_ = peek(address + 1, at);
   return peek(address, at);
@@ -89,7 +89,7 @@ std::uint8_t Pwmx::read(std::uint32_t address, States at) {
 
 void Pwmx::set_control(std::uint8_t value, States at) {
   const unsigned count = counter(at);
-  dacr_ = static_cast<std::uint8_t>((value & 0xcf) | 0x30);
+  dacr_ = value | DACR::ONE;
   base_ = at;
   base_count_ = counting() ? count : 0;
 }
@@ -97,29 +97,29 @@ void Pwmx::set_control(std::uint8_t value, States at) {
 void Pwmx::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const auto word = static_cast<std::uint16_t>(temp_ << 8 | value);
   switch (address) {
-    case 0xffa0:
+    case io::DADRA:
       if (second_bank()) {
-        if (value & 0x80) m.misuse(address, "DACR.TEST set: the 14-bit PWM is in test mode");
+        if (value & DACR::TEST) m.misuse(address, "DACR.TEST set: the 14-bit PWM is in test mode");
         set_control(value, at);
         break;
       }
       [[fallthrough]];
-    case 0xffa6:
+    case io::DADRB:
       temp_ = value;
       return;
-    case 0xffa1:
+    case io::DADRA + 1:
       if (second_bank())
         m.misuse(address,
                  "write to the address after DACR: while REGS is 1, this address has no register");
       else
-        dadr_[0] = word | 1;
+        dadr_[0] = word | DADR::ONE;
       break;
     default:
       if (second_bank()) {
         // Bit 0 is REGS in both banks.
-        base_count_ = (word >> 8 & 0xffu) | reversed(word >> 2 & 0x3fu, 6) << 8;
+        base_count_ = (word >> 8 & 0xffu) | reversed(field<DACNT::UC>(word), 6) << 8;
         base_ = at;
-        dadr_[1] = static_cast<std::uint16_t>((dadr_[1] & ~1u) | (value & 1u));
+        dadr_[1] = static_cast<std::uint16_t>((dadr_[1] & ~DADR::REGS) | (value & DADR::REGS));
       } else {
         dadr_[1] = word;
       }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/cpu/cpu.h"
 
 namespace kaz::h8s {
@@ -15,14 +16,14 @@ class Machine;
 // states (DACR.CKS).
 class Pwmx {
  public:
-  // Register accesses while STCR.IICE = 1: FFA0, FFA1, FFA6, FFA7. REGS selects the bank.
+  // Register accesses while STCR.IICE = 1: the bytes of DADRA and DADRB. REGS selects the bank.
   std::uint8_t peek(std::uint32_t address, States at) const;
   std::uint8_t read(std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   void reset() { *this = Pwmx{}; }
 
   // Channel 0 is PWX0 (A), channel 1 is PWX1 (B).
-  bool enabled(unsigned channel) const { return (dacr_ >> (channel ? 3 : 2) & 1) != 0; }
+  bool enabled(unsigned channel) const { return (dacr_ & (channel ? DACR::OEB : DACR::OEA)) != 0; }
   // `data_is_low`: see Options::pwmx_data_is_low.
   bool level(unsigned channel, States at, bool data_is_low) const;
   // Returns the time of the next level change, or kNever if the level stays constant. The result is valid
@@ -36,15 +37,15 @@ class Pwmx {
   }
 
  private:
-  bool counting() const { return (dacr_ & 0x40) != 0; }
-  States period() const { return dacr_ & 1 ? 2 : 1; }  // T in states
+  bool counting() const { return (dacr_ & DACR::PWME) != 0; }
+  States period() const { return dacr_ & DACR::CKS ? 2 : 1; }  // T in states
   unsigned counter(States at) const;
   std::uint16_t packed_counter(States at) const;
-  bool second_bank() const { return (dadr_[1] & 1) != 0; }
+  bool second_bank() const { return (dadr_[1] & DADR::REGS) != 0; }
   void set_control(std::uint8_t value, States at);
 
-  std::array<std::uint16_t, 2> dadr_{0xffff, 0xfffe};  // DADRA, DADRB; bit 0 of DADRB is REGS
-  std::uint8_t dacr_ = 0x30, temp_ = 0;
+  std::array<std::uint16_t, 2> dadr_{0xffff, 0xffff - DADR::REGS};  // DADRA, DADRB
+  std::uint8_t dacr_ = DACR::ONE, temp_ = 0;
   // The counter was `base_count_` at time `base_`.
   States base_ = 0;
   unsigned base_count_ = 0;

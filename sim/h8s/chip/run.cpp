@@ -194,7 +194,7 @@ void Machine::set_input(unsigned port, unsigned bit, std::optional<bool> level) 
 
 void Machine::set_nmi(bool level) {
   const States at = event_time();
-  irq.set_nmi_pin(level, (system.syscr & 4) != 0, at);
+  irq.set_nmi_pin(level, (system.syscr & SYSCR::NMIEG) != 0, at);
   if (pins.active()) pins.sample(*this, at);
   reschedule_all();
 }
@@ -217,7 +217,7 @@ void Machine::accept(unsigned vector) {
 
 // Whether an external event may still end the sleep: an enabled pin or a received byte.
 bool Machine::could_wake() const {
-  if ((cpu.control & 0x80) && !(cpu.two_level && !(cpu.control & 0x40))) return false;
+  if ((cpu.control & CCR::I) && !(cpu.two_level && !(cpu.control & CCR::UI))) return false;
   return irq.any_irq_enabled() || sci[0].waits_for_input() || sci[1].waits_for_input() ||
          frt.waits_for_input() || tmr.waits_for_input() || tmr_xy.waits_for_input();
 }
@@ -324,7 +324,7 @@ Stop Machine::run_to(Chip& chip, States until, bool single) {
       sleep_until(next);
       continue;
     }
-    if ((standby_ || (cpu.asleep && (system.sbycr & kSsby))) && stands_by()) {
+    if ((standby_ || (cpu.asleep && (system.sbycr & SBYCR::SSBY))) && stands_by()) {
       if (!stand_by(until))
         return error_stop(Stop::Reason::asleep_forever,
                           "standby without an enabled wake-up source; the next instruction is at " +

@@ -7,8 +7,6 @@
 #include "sim/h8s/chip/machine.h"
 
 namespace kaz::h8s {
-using namespace sci_bits;
-
 namespace {
 
 std::uint8_t reversed(std::uint8_t byte) {
@@ -22,7 +20,7 @@ std::uint8_t reversed(std::uint8_t byte) {
 // Async: 32 * 4^n * (N + 1) states, sync: 4 * 4^n * (N + 1).
 States Sci::bit_states() const {
   const States unit = synchronous() ? 4 : 32;
-  return (unit << (2 * (smr_ & 3))) * (brr_ + 1);
+  return (unit << (2 * (smr_ & SMR::CKS))) * (brr_ + 1);
 }
 
 int Sci::frame_bits() const {
@@ -31,17 +29,18 @@ int Sci::frame_bits() const {
 }
 
 std::uint8_t Sci::on_wire(std::uint8_t byte) const {
-  if (scmr_ & 8) byte = reversed(byte);
-  if (scmr_ & 4) byte = static_cast<std::uint8_t>(~byte);
-  return data_bits() == 7 ? byte & 0x7f : byte;
+  if (scmr_ & SCMR::SDIR) byte = reversed(byte);
+  if (scmr_ & SCMR::SINV) byte = static_cast<std::uint8_t>(~byte);
+  return data_bits() == 7 ? byte & kSevenBits : byte;
 }
 
 void Sci::update(Machine& m, unsigned n, States at) {
   const unsigned base = n == 0 ? vec::eri0 : vec::eri1;
   unsigned levels = 0;
-  if (scr_ & kRie) levels |= (flags_.has(kErrors) ? 1u : 0u) | (flags_.has(kRdrf) ? 2u : 0u);
-  if ((scr_ & kTie) && flags_.has(kTdre)) levels |= 4;
-  if ((scr_ & kTeie) && tend_) levels |= 8;
+  if (scr_ & SCR::RIE)
+    levels |= (flags_.has(kErrors) ? 1u : 0u) | (flags_.has(SSR::RDRF) ? 2u : 0u);
+  if ((scr_ & SCR::TIE) && flags_.has(SSR::TDRE)) levels |= 4;
+  if ((scr_ & SCR::TEIE) && tend_) levels |= 8;
   m.irq.set_all(base, 4, levels, at);
 }
 
@@ -82,18 +81,18 @@ void Sci::reset(Machine& m, unsigned n, States at) {
 
 std::uint8_t Sci::peek(unsigned offset) const {
   switch (offset) {
-    case 0:
+    case kSmr:
       return smr_;
-    case 1:
+    case kBrr:
       return brr_;
-    case 2:
+    case kScr:
       return scr_;
-    case 3:
+    case kTdr:
       return tdr_;
-    case 4:
-      return static_cast<std::uint8_t>(flags_.value() | (tend_ ? 4 : 0) | (mpb_ ? 2 : 0) |
-                                       (mpbt_ ? 1 : 0));
-    case 5:
+    case kSsr:
+      return flags_.value() | (tend_ ? SSR::TEND : 0) | (mpb_ ? SSR::MPB : 0) |
+             (mpbt_ ? SSR::MPBT : 0);
+    case kRdr:
       return rdr_;
     default:
       return scmr_;
@@ -108,27 +107,28 @@ std::uint8_t Sci::read(Machine& m, unsigned n, unsigned offset, States at) {
 void Sci::enable(Machine& m, unsigned n, std::uint8_t value, States at) {
   const std::uint8_t before = scr_;
   scr_ = value;
-  if ((before ^ value) & kCke) clock_base_ = at;
-  if (!(value & kTe)) {
-    flags_.raise(kTdre);
+  if ((before ^ value) & SCR::CKE) clock_base_ = at;
+  if (!(value & SCR::TE)) {
+    flags_.raise(SSR::TDRE);
     tend_ = true;
     stop_sending();
-  } else if (!(before & kTe) && m.options.sci_preamble && !synchronous() && !outside_clock()) {
+  } else if (!(before & SCR::TE) && m.options.sci_preamble && !synchronous() && !outside_clock()) {
     sending_ = Sending::preamble;
     end_ = at + frame_bits() * bit_states();
   }
-  if (!(value & kRe)) {
+  if (!(value & SCR::RE)) {
     stop_receiving();
     arrives_ = kNever;
   }
   start_reception_clock(at);
-  if ((before ^ value) & (kTe | kRe | kCke)) m.notify(OutputChange::Unit::port, n == 0 ? 5 : 2, at);
+  if ((before ^ value) & (SCR::TE | SCR::RE | SCR::CKE))
+    m.notify(OutputChange::Unit::port, n == 0 ? 5 : 2, at);
 }
 
 // Clocked reception without transmission generates its own clocks, in groups of eight.
 void Sci::start_reception_clock(States at) {
-  const bool wanted =
-      synchronous() && !outside_clock() && (scr_ & (kTe | kRe)) == kRe && !flags_.has(kErrors);
+  const bool wanted = synchronous() && !outside_clock() &&
+                      (scr_ & (SCR::TE | SCR::RE)) == SCR::RE && !flags_.has(kErrors);
   if (!wanted) {
     burst_ = kNever;
   } else if (burst_ == kNever) {
@@ -138,13 +138,13 @@ void Sci::start_reception_clock(States at) {
 }
 
 void Sci::taken_by_dtc(Machine& m, unsigned n, States at) {
-  flags_.drop(kRdrf);
+  flags_.drop(SSR::RDRF);
   update(m, n, at);
 }
 
 void Sci::filled_by_dtc(Machine& m, unsigned n, States at) {
-  if (!(scr_ & kTe)) return;
-  flags_.drop(kTdre);
+  if (!(scr_ & SCR::TE)) return;
+  flags_.drop(SSR::TDRE);
   tend_ = false;
   if (sending_ == Sending::nothing) begin(m, n, at);
   update(m, n, at);
@@ -152,34 +152,35 @@ void Sci::filled_by_dtc(Machine& m, unsigned n, States at) {
 
 void Sci::write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at) {
   advance(m, n, at);
-  const bool busy = (scr_ & (kTe | kRe)) != 0;
-  const std::uint32_t address = (n == 0 ? 0xffd8u : 0xff88u) + offset;
+  const bool busy = (scr_ & (SCR::TE | SCR::RE)) != 0;
+  const std::uint32_t address = (n == 0 ? io::SMR0 : io::SMR1) + offset;
   switch (offset) {
-    case 0:
-    case 1:
-    case 6:
+    case kSmr:
+    case kBrr:
+    case kScmr:
       if (busy) m.misuse(address, "serial format or rate changed while TE or RE is set");
-      if (offset == 0) smr_ = value;
-      if (offset == 1) brr_ = value;
-      if (offset <= 1) clock_base_ = at;
-      if (offset == 6) scmr_ = static_cast<std::uint8_t>((value & 0x0d) | 0xf2);
+      if (offset == kSmr) smr_ = value;
+      if (offset == kBrr) brr_ = value;
+      if (offset <= kBrr) clock_base_ = at;
+      if (offset == kScmr) scmr_ = value | SCMR::ONE;
       break;
-    case 2:
+    case kScr:
       enable(m, n, value, at);
       break;
-    case 3:
+    case kTdr:
       tdr_ = value;
       return;  // no request depends on it
-    case 4: {
-      mpbt_ = (value & 1) != 0;
-      const std::uint8_t cleared = flags_.write(static_cast<std::uint8_t>(value | 7));
+    case kSsr: {
+      mpbt_ = (value & SSR::MPBT) != 0;
+      const std::uint8_t cleared = flags_.write(value | SSR::TEND | SSR::MPB | SSR::MPBT);
       if (synchronous() || burst_ != kNever) start_reception_clock(at);
       // An overrun had blocked the next byte of clocked mode.
-      if ((cleared & kOrer) && !flags_.has(kTdre | kOrer) && sending_ == Sending::nothing)
+      if ((cleared & SSR::ORER) && !flags_.has(SSR::TDRE | SSR::ORER) &&
+          sending_ == Sending::nothing)
         begin(m, n, at);
-      if (!(cleared & kTdre)) break;
-      if (!(scr_ & kTe)) {
-        flags_.raise(kTdre);  // TE = 0 holds TDRE at 1
+      if (!(cleared & SSR::TDRE)) break;
+      if (!(scr_ & SCR::TE)) {
+        flags_.raise(SSR::TDRE);  // TE = 0 holds TDRE at 1
         break;
       }
       tend_ = false;

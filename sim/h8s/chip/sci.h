@@ -7,20 +7,9 @@
 #include <deque>
 
 #include "sim/h8s/chip/chip.h"
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
-
-// Bits of SSR and SCR. Only the source files of the serial channel use this namespace.
-namespace kaz::h8s::sci_bits {
-
-// Bits of SSR.
-inline constexpr std::uint8_t kTdre = 0x80, kRdrf = 0x40, kOrer = 0x20, kFer = 0x10, kPer = 0x08;
-inline constexpr std::uint8_t kErrors = kOrer | kFer | kPer;
-// Bits of SCR.
-inline constexpr std::uint8_t kTie = 0x80, kRie = 0x40, kTe = 0x20, kRe = 0x10, kMpie = 0x08,
-                              kTeie = 0x04, kCke = 0x03;
-
-}  // namespace kaz::h8s::sci_bits
 
 namespace kaz::h8s {
 
@@ -41,11 +30,15 @@ struct SerialFrame {
 // Serial channel. In all functions, `n` is the number of the channel, 0 or 1.
 class Sci {
  public:
-  // Register accesses. `offset` 0..6: SMR, BRR, SCR, TDR, SSR, RDR, SCMR.
+  // Registers of a channel, as offsets from SMR.
+  enum Register : unsigned { kSmr, kBrr, kScr, kTdr, kSsr, kRdr, kScmr };
+  static constexpr std::uint8_t kErrors = SSR::ORER | SSR::FER | SSR::PER;
+
+  // Register accesses. `offset` is a value of Register.
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
   // Like read(), but may only be called if no event is due.
   std::uint8_t read_now(unsigned offset) {
-    if (offset == 4) flags_.read();
+    if (offset == kSsr) flags_.read();
     return peek(offset);
   }
   void write(Machine& m, unsigned n, unsigned offset, std::uint8_t value, States at);
@@ -64,7 +57,7 @@ class Sci {
   std::deque<ReceivedByte>& incoming() { return incoming_; }
 
   // --- pins --------------------------------------------------------------------------------------
-  bool drives_txd() const { return (scr_ & 0x20) != 0; }
+  bool drives_txd() const { return (scr_ & SCR::TE) != 0; }
   // Returns the level of TxD. Precondition: drives_txd() is true. `at` must not be before the start of the
   // current frame.
   bool txd(States at) const;
@@ -73,12 +66,14 @@ class Sci {
   States txd_change(States after) const;
   // Returns whether SCK is an output. In clocked mode, SCK is an output if the channel uses its internal
   // clock. In asynchronous mode, SCK is an output if CKE is 01; the channel then outputs the bit clock.
-  bool drives_sck() const { return synchronous() ? !(scr_ & 2) : (scr_ & 3) == 1; }
+  bool drives_sck() const {
+    return synchronous() ? !(scr_ & SCR::CKE1) : (scr_ & SCR::CKE) == SCR::CKE0;
+  }
   bool sck(States at) const;
   States sck_change(States after) const;
   // SCR.RE makes the RxD pin an input, regardless of the pin's DDR bit.
-  bool takes_rxd() const { return (scr_ & 0x10) != 0; }
-  bool takes_sck() const { return (scr_ & 2) != 0; }
+  bool takes_rxd() const { return (scr_ & SCR::RE) != 0; }
+  bool takes_sck() const { return (scr_ & SCR::CKE1) != 0; }
   // Must be called after the board has changed the level of RxD or SCK. `driven` is false if the board has
   // stopped driving RxD. While the board does not drive RxD, the channel receives only the bytes of
   // incoming().
@@ -86,7 +81,7 @@ class Sci {
   void sck_edge(Machine& m, unsigned n, bool rising, States at);
 
   States bit_states() const;
-  bool waits_for_input() const { return (scr_ & 0x50) == 0x50; }
+  bool waits_for_input() const { return (scr_ & SCR::RIE) && (scr_ & SCR::RE); }
 
   // After the DTC has read RDR, taken_by_dtc() must be called. After the DTC has written TDR, filled_by_dtc()
   // must be called. If the DTC passes the interrupt on to the CPU, taken_by_dtc() and filled_by_dtc() must
@@ -107,15 +102,16 @@ class Sci {
   }
 
  private:
+  static constexpr std::uint8_t kSevenBits = 0x7f;
   enum class Sending : std::uint8_t { nothing, preamble, waiting, frame };
   friend constexpr Sending last_value(Sending) { return Sending::frame; }
 
-  bool synchronous() const { return (smr_ & 0x80) != 0; }
-  bool outside_clock() const { return (scr_ & 2) != 0; }
-  int data_bits() const { return (smr_ & 0x40) && !synchronous() ? 7 : 8; }
-  bool multiprocessor() const { return (smr_ & 4) != 0 && !synchronous(); }
-  bool parity() const { return (smr_ & 0x20) != 0 && !(smr_ & 4) && !synchronous(); }
-  int stop_bits() const { return smr_ & 8 ? 2 : 1; }
+  bool synchronous() const { return (smr_ & SMR::CA) != 0; }
+  bool outside_clock() const { return (scr_ & SCR::CKE1) != 0; }
+  int data_bits() const { return (smr_ & SMR::CHR) && !synchronous() ? 7 : 8; }
+  bool multiprocessor() const { return (smr_ & SMR::MP) != 0 && !synchronous(); }
+  bool parity() const { return (smr_ & SMR::PE) != 0 && !(smr_ & SMR::MP) && !synchronous(); }
+  int stop_bits() const { return smr_ & SMR::STOP ? 2 : 1; }
   int frame_bits() const;
   // Applies the bit order and inversion of SCMR. The function is its own inverse.
   std::uint8_t on_wire(std::uint8_t byte) const;
@@ -145,7 +141,7 @@ class Sci {
   void enable(Machine& m, unsigned n, std::uint8_t value, States at);
   void update(Machine& m, unsigned n, States at);
 
-  std::uint8_t smr_ = 0, brr_ = 0xff, scr_ = 0, tdr_ = 0xff, rdr_ = 0, scmr_ = 0xf2;
+  std::uint8_t smr_ = 0, brr_ = 0xff, scr_ = 0, tdr_ = 0xff, rdr_ = 0, scmr_ = SCMR::ONE;
   StickyFlags flags_ = empty();  // TDRE, RDRF, ORER, FER, PER in bits 7..3
   bool tend_ = true, mpbt_ = false, mpb_ = false;
 
@@ -176,7 +172,7 @@ class Sci {
 
   static StickyFlags empty() {
     StickyFlags f;
-    f.raise(0x80);
+    f.raise(SSR::TDRE);
     return f;
   }
 };

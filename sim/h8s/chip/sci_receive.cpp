@@ -5,8 +5,6 @@
 #include "sim/h8s/chip/sci.h"
 
 namespace kaz::h8s {
-using namespace sci_bits;
-
 namespace {
 
 // A bit has 16 basic clocks. The sample is 7 clocks after the first one that sees the start bit, so
@@ -28,22 +26,22 @@ void Sci::take(Machine& m, unsigned n, const ReceivedByte& arrived) {
     byte.value = heard.value;
     byte.framing_error |= heard.framing_error;
   }
-  if (!(scr_ & kRe) || m.stopped(n == 0 ? Stop_sci0 : Stop_sci1) || flags_.has(kErrors)) return;
-  if (multiprocessor() && (scr_ & kMpie)) {
+  if (!(scr_ & SCR::RE) || m.stopped(n == 0 ? Stop_sci0 : Stop_sci1) || flags_.has(kErrors)) return;
+  if (multiprocessor() && (scr_ & SCR::MPIE)) {
     if (!byte.multiprocessor) return;
-    scr_ &= static_cast<std::uint8_t>(~kMpie);
+    scr_ &= ~SCR::MPIE;
   }
   const bool bad_parity = parity() && byte.parity_error;
   const bool bad_frame = !synchronous() && byte.framing_error;
-  if (bad_frame) flags_.raise(kFer);
-  if (bad_parity) flags_.raise(kPer);
-  if (flags_.has(kRdrf)) {
-    flags_.raise(kOrer);
+  if (bad_frame) flags_.raise(SSR::FER);
+  if (bad_parity) flags_.raise(SSR::PER);
+  if (flags_.has(SSR::RDRF)) {
+    flags_.raise(SSR::ORER);
     return;
   }
   rdr_ = on_wire(byte.value);
   mpb_ = multiprocessor() && byte.multiprocessor;
-  if (!bad_frame && !bad_parity) flags_.raise(kRdrf);
+  if (!bad_frame && !bad_parity) flags_.raise(SSR::RDRF);
 }
 
 void Sci::rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at) {
@@ -60,7 +58,7 @@ void Sci::rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at) {
   rxd_ = level;
   rxd_driven_ = driven;
   if (!driven && receiving_) stop_receiving();
-  if (!driven || !fell || receiving_ || !(scr_ & kRe) || synchronous()) return;
+  if (!driven || !fell || receiving_ || !(scr_ & SCR::RE) || synchronous()) return;
   if (!flags_.has(kErrors)) start_bit(at);
 }
 
@@ -112,7 +110,7 @@ void Sci::judge(Machine& m, States end) {
   ReceivedByte byte;
   byte.at = m.options.sci_ready_mid_stop && sample_ != kNever ? sample_ - bit_states() : end;
   const unsigned bits = synchronous() ? rsr_ : rsr_ >> 1;
-  byte.value = static_cast<std::uint8_t>(bits & (data_bits() == 7 ? 0x7fu : 0xffu));
+  byte.value = static_cast<std::uint8_t>(bits & (data_bits() == 7 ? kSevenBits : 0xffu));
   if (!synchronous()) {
     const bool next = (bits >> data_bits() & 1) != 0;
     byte.multiprocessor = multiprocessor() && next;

@@ -7,8 +7,6 @@
 #include "sim/h8s/chip/sci.h"
 
 namespace kaz::h8s {
-using namespace sci_bits;
-
 namespace {
 
 // External clocks per bit: 16 asynchronous, otherwise 1.
@@ -24,7 +22,7 @@ States grid_after(States base, States period, States at) {
 }  // namespace
 
 bool Sci::parity_of(std::uint8_t wire) const {
-  return ((std::popcount(wire) & 1) != 0) != ((smr_ & 0x10) != 0);
+  return ((std::popcount(wire) & 1) != 0) != ((smr_ & SMR::OE) != 0);
 }
 
 SerialFrame Sci::frame_of(std::uint8_t wire) const {
@@ -40,7 +38,7 @@ SerialFrame Sci::frame_of(std::uint8_t wire) const {
 // TDR holds a byte and the shift register is free.
 void Sci::begin(Machine& m, unsigned n, States at) {
   // An overrun stops the clock of clocked mode for both directions.
-  if (synchronous() && (scr_ & kRe) && flags_.has(kOrer)) return;
+  if (synchronous() && (scr_ & SCR::RE) && flags_.has(SSR::ORER)) return;
   const bool aligned = !synchronous() && (m.options.sci_aligned_start || drives_sck());
   const States first = aligned ? grid_from(clock_base_, bit_states(), at) : at;
   if (outside_clock() || first == at) return load(m, n, at);
@@ -53,14 +51,14 @@ void Sci::load(Machine& m, unsigned n, States at) {
   before_ = !synchronous() || txd(at);
   tsr_ = on_wire(tdr_);
   frame_ = frame_of(tsr_);
-  flags_.raise(kTdre);
+  flags_.raise(SSR::TDRE);
   tend_ = false;
   sending_ = Sending::frame;
   start_ = at;
   ticks_ = 0;
   bit_ = outside_clock() ? 0 : bit_states();
   end_ = outside_clock() ? kNever : at + frame_.count * bit_;
-  if (synchronous() && !outside_clock() && (scr_ & kRe)) begin_clocked(at);
+  if (synchronous() && !outside_clock() && (scr_ & SCR::RE)) begin_clocked(at);
   m.notify(OutputChange::Unit::serial, static_cast<int>(n), at);
 }
 
@@ -77,7 +75,7 @@ void Sci::end_of_frame(Machine& m, unsigned n, States at) {
   end_ = kNever;
   if (sent && m.listeners.transmitted)
     m.listeners.transmitted(static_cast<int>(n), {tsr_, start_, at});
-  if (!flags_.has(kTdre))
+  if (!flags_.has(SSR::TDRE))
     begin(m, n, at);
   else
     tend_ = true;
@@ -140,7 +138,7 @@ States Sci::txd_change(States after) const {
       if (frame_.at(k) != (k == 0 ? before_ : frame_.at(k - 1))) return start_ + k * bit_;
   }
   // The next start bit; in clocked mode TDR may still be changed.
-  const bool follows = sending_ != Sending::nothing && !flags_.has(kTdre) && !synchronous();
+  const bool follows = sending_ != Sending::nothing && !flags_.has(SSR::TDRE) && !synchronous();
   return follows && end_ != kNever && end_ > after ? end_ : kNever;
 }
 
@@ -168,7 +166,7 @@ States Sci::sck_change(States after) const {
   const States next = grid_after(from, half, after), end = from + 16 * half;
   if (next < end) return next;
   // Clocks continue while reception alone needs them or TDR holds another byte.
-  const bool more = burst_ != kNever || !flags_.has(kTdre);
+  const bool more = burst_ != kNever || !flags_.has(SSR::TDRE);
   return more && end > after ? end : kNever;
 }
 

@@ -19,7 +19,8 @@ bool apply(bool level, unsigned action) {
 }  // namespace
 
 bool timer_output(bool level, std::uint8_t selection, bool a, bool b) {
-  const unsigned on_a = a ? selection & 3u : 0, on_b = b ? selection >> 2 & 3u : 0;
+  const unsigned on_a = a ? field<TMR_TCSR::OS10>(selection) : 0;
+  const unsigned on_b = b ? field<TMR_TCSR::OS32>(selection) : 0;
   return apply(level, std::max(on_a, on_b));
 }
 
@@ -28,9 +29,9 @@ std::int64_t Timer8::to_next() const {
 }
 
 void Timer8::matched(bool a, bool b) {
-  if (a) flags.raise(kCmfa);
-  if (b) flags.raise(kCmfb);
-  level = timer_output(level, tcsr_low & 0x0f, a, b);
+  if (a) flags.raise(TMR_TCSR::CMFA);
+  if (b) flags.raise(TMR_TCSR::CMFB);
+  level = timer_output(level, tcsr_low & TMR_TCSR::OS, a, b);
 }
 
 Timer8::Crossed Timer8::step(std::int64_t counts, Clear clearing) {
@@ -39,7 +40,7 @@ Timer8::Crossed Timer8::step(std::int64_t counts, Clear clearing) {
   const bool wraps = counts == distance(count, 0xff) && !clears;
   count = clears ? std::uint8_t{0} : static_cast<std::uint8_t>(count + counts);
   matched(a, b);
-  if (wraps) flags.raise(kOvf);
+  if (wraps) flags.raise(TMR_TCSR::OVF);
   return {a, b, wraps};
 }
 
@@ -49,8 +50,7 @@ std::int64_t Timer8::turn() const {
 
 void Timer8::skip_turns(States target) {
   const std::int64_t one = turn();
-  const bool toggles = (tcsr_low & 0x0c) == 0x0c || (tcsr_low & 0x03) == 0x03;
-  const std::int64_t whole = toggles ? 2 * one : one;
+  const std::int64_t whole = toggles() ? 2 * one : one;
   if (count < one && target - tick > one + whole) tick += (target - tick - one) / whole * whole;
 }
 

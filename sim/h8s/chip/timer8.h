@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -12,7 +13,8 @@ namespace kaz::h8s {
 // Source: hardware manual, 8-bit timers. A match takes effect when the counter leaves the matching value.
 // Therefore a clear on match gives periods of TCOR + 1 counts.
 struct Timer8 {
-  static constexpr std::uint8_t kOvf = 0x20, kCmfa = 0x40, kCmfb = 0x80;
+  // Flags in TCSR. The bits that enable their interrupts in TCR have the same positions.
+  static constexpr std::uint8_t kFlags = TMR_TCSR::CMFB | TMR_TCSR::CMFA | TMR_TCSR::OVF;
   enum class Clear { none, on_a, on_b, on_pin };
   struct Crossed {
     bool a = false, b = false, overflow = false;
@@ -24,12 +26,17 @@ struct Timer8 {
   States tick = 0;            // number of the clock tick at which the counter had the value `count`
   bool level = false;         // output level
 
-  unsigned clock_select() const { return tcr & 7u; }
-  Clear clear() const { return static_cast<Clear>(tcr >> 3 & 3); }
+  unsigned clock_select() const { return tcr & TMR_TCR::CKS; }
+  Clear clear() const { return static_cast<Clear>(field<TMR_TCR::CCLR>(tcr)); }
   // Returns whether the timer drives its pin. The timer drives the pin while any OS bit is set.
-  bool drives() const { return (tcsr_low & 0x0f) != 0; }
+  bool drives() const { return (tcsr_low & TMR_TCSR::OS) != 0; }
+  // Returns whether a match toggles the output.
+  bool toggles() const {
+    return (tcsr_low & TMR_TCSR::OS32) == TMR_TCSR::OS32 ||
+           (tcsr_low & TMR_TCSR::OS10) == TMR_TCSR::OS10;
+  }
   // Returns the flags that are set and enabled as interrupts, in bits 7..5.
-  unsigned requests() const { return flags.value() & tcr & 0xe0u; }
+  unsigned requests() const { return flags.value() & tcr & kFlags; }
   // Returns the number of counts until a match or the overflow takes effect.
   std::int64_t to_next() const;
   // Advances the counter by `counts` and applies the events. `counts` must not exceed to_next().
@@ -48,7 +55,7 @@ struct Timer8 {
   bool counts_edge(bool rising) const {
     return clock_select() == 7 || clock_select() == (rising ? 5u : 6u);
   }
-  bool waits_for_clock() const { return clock_select() > 4 && (tcr & 0xe0) != 0; }
+  bool waits_for_clock() const { return clock_select() > 4 && (tcr & kFlags) != 0; }
   // Returns a lower bound of the number of counts until the output level changes; kNever: counting does not
   // change the level.
   std::int64_t to_next_change() const;

@@ -18,9 +18,9 @@ bool count_quietly(Timer8& t, States target) {
   using Clear = Timer8::Clear;
   const std::int64_t counts = target - t.tick, one = t.turn();
   const bool wraps = t.clear() == Clear::none || t.clear() == Clear::on_pin;
-  const bool toggles = (t.tcsr_low & 0x0c) == 0x0c || (t.tcsr_low & 0x03) == 0x03;
-  if (!t.flags.has(Timer8::kCmfa) || !t.flags.has(Timer8::kCmfb) ||
-      (wraps && !t.flags.has(Timer8::kOvf)) || toggles || t.count >= one || counts <= 0)
+  const bool toggles = t.toggles();
+  if (!t.flags.has(TMR_TCSR::CMFA) || !t.flags.has(TMR_TCSR::CMFB) ||
+      (wraps && !t.flags.has(TMR_TCSR::OVF)) || toggles || t.count >= one || counts <= 0)
     return false;
   const std::int64_t end = (t.count + counts) % one;
   // Counts since the last match of each, whose effect is that of all before; `counts`: there was none.
@@ -28,7 +28,7 @@ bool count_quietly(Timer8& t, States target) {
     return compare >= one ? counts : std::min((end - compare - 1 + one) % one, counts);
   };
   const std::int64_t a = since(t.tcora), b = since(t.tcorb);
-  const std::uint8_t selection = t.tcsr_low & 0x0f;
+  const std::uint8_t selection = t.tcsr_low & TMR_TCSR::OS;
   if (std::max(a, b) < counts && a != b) t.level = timer_output(t.level, selection, a > b, b > a);
   if (const std::int64_t last = std::min(a, b); last < counts)
     t.level = timer_output(t.level, selection, a == last, b == last);
@@ -41,25 +41,25 @@ bool count_quietly(Timer8& t, States target) {
 
 States Tmr::divisor(const Machine& m, unsigned n) const {
   const unsigned cks = timer_[n].clock_select();
-  return cks > 3 ? 0 : kDivisors[m.stcr() >> n & 1][n][cks];
+  return cks > 3 ? 0 : kDivisors[m.stcr() >> n & STCR::ICKS0][n][cks];
 }
 
 void Tmr::update(Machine& m, unsigned n, States at) {
   const unsigned active = timer_[n].requests();
   m.irq.set_all(n == 0 ? vec::cmia0 : vec::cmia1, 3,
-                (active & Timer8::kCmfa ? 1u : 0u) | (active & Timer8::kCmfb ? 2u : 0u) |
-                    (active & Timer8::kOvf ? 4u : 0u),
+                (active & TMR_TCSR::CMFA ? 1u : 0u) | (active & TMR_TCSR::CMFB ? 2u : 0u) |
+                    (active & TMR_TCSR::OVF ? 4u : 0u),
                 at);
 }
 
 void Tmr::taken_by_dtc(Machine& m, unsigned vector, States at) {
   const unsigned n = vector >= vec::cmia1 ? 1 : 0;
-  timer_[n].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
+  timer_[n].flags.drop(vector & 1 ? TMR_TCSR::CMFB : TMR_TCSR::CMFA);
   update(m, n, at);
 }
 
 void Tmr::matched_a0(Machine& m, States at) {
-  if (timer_[0].tcsr_low & 0x10) m.adc.trigger(m, 2, at);
+  if (timer_[0].tcsr_low & TMR_TCSR::ADTE) m.adc.trigger(m, 2, at);
   // Compare match count mode.
   if (cascaded(1)) {
     timer_[1].step(1);
@@ -86,9 +86,9 @@ void Tmr::step_pair(Machine& m, std::int64_t counts, States at) {
       (a && upper.clear() == Timer8::Clear::on_a) || (b && upper.clear() == Timer8::Clear::on_b);
   if (clears) {
     upper.count = lower.count = 0;
-    if (low.overflow && !(flags & Timer8::kOvf)) lower.flags.drop(Timer8::kOvf);
+    if (low.overflow && !(flags & TMR_TCSR::OVF)) lower.flags.drop(TMR_TCSR::OVF);
   } else if (low.overflow && ++upper.count == 0) {
-    upper.flags.raise(Timer8::kOvf);
+    upper.flags.raise(TMR_TCSR::OVF);
   }
   upper.matched(a, b);
   update(m, 0, at);
@@ -101,7 +101,7 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
   if (d == 0) return;
   Timer8& t = timer_[n];
   const States target = (to - m.epoch) / d;
-  const bool chained = cascaded(1 - n), triggers = n == 0 && (t.tcsr_low & 0x10);
+  const bool chained = cascaded(1 - n), triggers = n == 0 && (t.tcsr_low & TMR_TCSR::ADTE);
   if (!chained && !triggers && count_quietly(t, target)) return;
   while (t.tick < target) {
     const std::int64_t counts = std::min(t.to_next(), target - t.tick);
@@ -129,10 +129,11 @@ States Tmr::next_event(Machine& m) const {
     const States d = divisor(m, n);
     if (d == 0) continue;
     const Timer8& t = timer_[n];
-    const unsigned wanted = t.tcr & ~t.flags.value() & 0xe0u;
-    const bool triggers = n == 0 && (t.tcsr_low & 0x10);
+    const unsigned wanted = t.tcr & ~t.flags.value() & Timer8::kFlags;
+    const bool triggers = n == 0 && (t.tcsr_low & TMR_TCSR::ADTE);
     const Timer8& fed = timer_[1 - n];
-    const bool feeds = cascaded(1 - n) && ((fed.tcr & 0xe0) || (n == 1 && (fed.tcsr_low & 0x10)));
+    const bool feeds = cascaded(1 - n) &&
+                       ((fed.tcr & Timer8::kFlags) || (n == 1 && (fed.tcsr_low & TMR_TCSR::ADTE)));
     std::int64_t counts = kNever;
     // Either may clear the counter first, so every crossing is checked.
     if (wanted || triggers || feeds) counts = t.to_next();
@@ -225,19 +226,19 @@ double Tmr::high_share(Machine& m, unsigned n) const {
   } else if (cascaded(n) && timer_[0].tcora >= timer_[0].turn()) {
     return still();  // TMR0 has no match A to count
   }
-  return mean_level(wave, t.level, t.tcsr_low & 0x0f);
+  return mean_level(wave, t.level, t.tcsr_low & TMR_TCSR::OS);
 }
 
 std::uint8_t Tmr::peek(std::uint32_t address) const {
   const Timer8& t = timer_[address & 1];
   switch (address & ~1u) {
-    case 0xffc8:
+    case io::TCR0:
       return t.tcr;
-    case 0xffca:
-      return static_cast<std::uint8_t>(t.flags.value() | t.tcsr_low | (address & 1 ? 0x10 : 0));
-    case 0xffcc:
+    case io::TCSR0:
+      return t.flags.value() | t.tcsr_low | (address & 1 ? TMR_TCSR::ONE : 0);
+    case io::TCORA0:
       return t.tcora;
-    case 0xffce:
+    case io::TCORB0:
       return t.tcorb;
     default:
       return t.count;
@@ -246,7 +247,7 @@ std::uint8_t Tmr::peek(std::uint32_t address) const {
 
 std::uint8_t Tmr::read(Machine& m, std::uint32_t address, States at) {
   advance(m, at);
-  if ((address & ~1u) == 0xffca) timer_[address & 1].flags.read();
+  if ((address & ~1u) == io::TCSR0) timer_[address & 1].flags.read();
   return peek(address);
 }
 
@@ -254,18 +255,20 @@ void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   const unsigned n = address & 1, which = address & ~1u;
   Timer8& t = timer_[n];
   const auto advance_this = [&](States to) {
-    const bool alone = !cascaded(0) && !cascaded(1) && which != 0xffc8 && !m.stopped(Stop_tmr);
+    const bool alone = !cascaded(0) && !cascaded(1) && which != io::TCR0 && !m.stopped(Stop_tmr);
     alone ? advance_one(m, n, to) : advance(m, to);
   };
   // Up to the state of the write itself, where a write wins over a count and suppresses a match.
   advance_this(at - 1);
-  std::uint8_t* const compare = which == 0xffcc ? &t.tcora : which == 0xffce ? &t.tcorb : nullptr;
+  std::uint8_t* const compare = which == io::TCORA0   ? &t.tcora
+                                : which == io::TCORB0 ? &t.tcorb
+                                                      : nullptr;
   const std::uint8_t before = compare ? *compare : 0;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
   // A word written to a pair of TCORs suppresses both matches: the other timer waits for its byte.
-  if (compare || (which == 0xffd0 && cascaded(n)))
+  if (compare || (which == io::TCNT0 && cascaded(n)))
     advance_one(m, cascaded(n) ? 1 - n : n, at);
-  else if (which != 0xffd0)
+  else if (which != io::TCNT0)
     advance_this(at);
   const bool drove = drives(n);
   bool changed = false;
@@ -274,22 +277,23 @@ void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
     place = now;
   };
   switch (which) {
-    case 0xffc8:
+    case io::TCR0:
       put(t.tcr, t.tcr, value);
       break;
-    case 0xffca:
-      t.flags.write(static_cast<std::uint8_t>(value | 0x1f));
-      put(t.tcsr_low, t.tcsr_low, static_cast<std::uint8_t>(value & (n == 0 ? 0x1f : 0x0f)));
+    case io::TCSR0:
+      t.flags.write(static_cast<std::uint8_t>(value | ~Timer8::kFlags));
+      put(t.tcsr_low, t.tcsr_low,
+          static_cast<std::uint8_t>(value & (n == 0 ? ~Timer8::kFlags : TMR_TCSR::OS)));
       break;
-    case 0xffcc:
-    case 0xffce:
+    case io::TCORA0:
+    case io::TCORB0:
       put(*compare, before, value);
       break;
     default:
       t.count = value;
       break;
   }
-  if (changed || which == 0xffd0) {
+  if (changed || which == io::TCNT0) {
     if (const States d = divisor(m, n)) t.tick = (at - m.epoch) / d;
   }
   if (changed && (drove || drives(n))) m.notify(OutputChange::Unit::timer, static_cast<int>(n), at);

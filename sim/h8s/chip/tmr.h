@@ -14,7 +14,7 @@ class Machine;
 
 class Tmr {
  public:
-  // Register accesses, FFC8..FFD1: even addresses for TMR0, odd addresses for TMR1.
+  // Register accesses, TCR0..TCNT1: even addresses for TMR0, odd addresses for TMR1.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;

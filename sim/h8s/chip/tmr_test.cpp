@@ -79,7 +79,7 @@ TEST(Timer8, MatchTakesEffectAsTheCountLeavesTheValue) {
   EXPECT_EQ(t.flags.value(), 0);
   t.step(1);
   EXPECT_EQ(t.count, 0);
-  EXPECT_EQ(t.flags.value(), Timer8::kCmfa);
+  EXPECT_EQ(t.flags.value(), TMR_TCSR::CMFA);
   EXPECT_EQ(t.turn(), 10);
 }
 
@@ -89,12 +89,12 @@ TEST(Timer8, OverflowOnlyWhereTheCounterWraps) {
   t.tcora = 3;
   t.tcorb = 4;
   EXPECT_TRUE(t.step(1).overflow);
-  EXPECT_EQ(t.flags.value(), Timer8::kOvf);
+  EXPECT_EQ(t.flags.value(), TMR_TCSR::OVF);
   Timer8 cleared;  // cleared by the match at FF: no overflow
   cleared.count = 0xff;
   cleared.tcr = 0x08;
   EXPECT_FALSE(cleared.step(1).overflow);
-  EXPECT_EQ(cleared.flags.value(), Timer8::kCmfa | Timer8::kCmfb);
+  EXPECT_EQ(cleared.flags.value(), TMR_TCSR::CMFA | TMR_TCSR::CMFB);
 }
 
 // Both matches at once: toggle over 1 over 0 over none.

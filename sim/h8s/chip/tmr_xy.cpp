@@ -16,10 +16,10 @@ States TmrXY::divisor(unsigned n) const {
 
 void TmrXY::update(Machine& m, States at) {
   const unsigned active = timer_[y].requests();
-  const bool measured = timer_[x].flags.has(kIcf) && icie_;
+  const bool measured = timer_[x].flags.has(TMR_TCSR::ICF) && icie_;
   m.irq.set_all(vec::cmiay, 4,
-                (active & Timer8::kCmfa ? 1u : 0u) | (active & Timer8::kCmfb ? 2u : 0u) |
-                    (active & Timer8::kOvf ? 4u : 0u) | (measured ? 8u : 0u),
+                (active & TMR_TCSR::CMFA ? 1u : 0u) | (active & TMR_TCSR::CMFB ? 2u : 0u) |
+                    (active & TMR_TCSR::OVF ? 4u : 0u) | (measured ? 8u : 0u),
                 at);
 }
 
@@ -57,7 +57,7 @@ void TmrXY::advance(Machine& m, States to) {
 States TmrXY::next_event(const Machine& m) const {
   const Timer8& t = timer_[y];
   const States d = divisor(y);
-  if (d == 0 || (t.tcr & ~t.flags.value() & 0xe0) == 0) return kNever;
+  if (d == 0 || (t.tcr & ~t.flags.value() & Timer8::kFlags) == 0) return kNever;
   return m.epoch + (t.tick + t.to_next()) * d;
 }
 
@@ -69,20 +69,20 @@ States TmrXY::next_change(const Machine& m) const {
 
 // TCONRI.ICST arms one measurement: the rising edge into TICRR, the falling one after it into TICRF.
 void TmrXY::capture(bool rising) {
-  if (!(tconri_ & 0x10)) return;
+  if (!(tconri_ & TCONRI::ICST)) return;
   if (rising) {
     ticrr_ = timer_[x].count;
     rose_ = true;
   } else if (rose_) {
     ticrf_ = timer_[x].count;
     rose_ = false;
-    tconri_ = static_cast<std::uint8_t>(tconri_ & ~0x10);
-    timer_[x].flags.raise(kIcf);
+    tconri_ &= ~TCONRI::ICST;
+    timer_[x].flags.raise(TMR_TCSR::ICF);
   }
 }
 
 void TmrXY::pin_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_tmrxy) || (n == y && !(tisr_ & 1))) return;
+  if (m.stopped(Stop_tmrxy) || (n == y && !(tisr_ & TISR::IS))) return;
   advance(m, at);
   if (timer_[n].counts_edge(rising)) timer_[n].step(1);
   if (n == x) capture(rising);
@@ -91,34 +91,33 @@ void TmrXY::pin_edge(Machine& m, unsigned n, bool rising, States at) {
 }
 
 bool TmrXY::waits_for_input() const {
-  return (timer_[y].waits_for_clock() && (tisr_ & 1)) || (icie_ && (tconri_ & 0x10));
+  return (timer_[y].waits_for_clock() && (tisr_ & TISR::IS)) || (icie_ && (tconri_ & TCONRI::ICST));
 }
 
 std::uint8_t TmrXY::peek(std::uint32_t address) const {
   const Timer8& t = timer_[bank_y() ? y : x];
   switch (address) {
-    case 0xfff0:
+    case io::TCRX:
       return t.tcr;
-    case 0xfff1:
-      return static_cast<std::uint8_t>(t.flags.value() | t.tcsr_low |
-                                       (bank_y() && icie_ ? 0x10 : 0));
-    case 0xfff2:
+    case io::TCSRX:
+      return t.flags.value() | t.tcsr_low | (bank_y() && icie_ ? TMR_TCSR::ICIE : 0);
+    case io::TICRR:
       return bank_y() ? t.tcora : ticrr_;
-    case 0xfff3:
+    case io::TICRF:
       return bank_y() ? t.tcorb : ticrf_;
-    case 0xfff4:
+    case io::TCNTX:
       return t.count;
-    case 0xfff5:
+    case io::TCORC:
       return bank_y() ? tisr_ : tcorc_;
-    case 0xfff6:
+    case io::TCORAX:
       return timer_[x].tcora;
-    case 0xfff7:
+    case io::TCORBX:
       return timer_[x].tcorb;
-    case 0xfffc:
+    case io::TCONRI:
       return tconri_;
-    case 0xfffd:
+    case io::TCONRO:
       return tconro_;
-    case 0xfffe:
+    case io::TCONRS:
       return tconrs_;
     default:
       return sedgr_;
@@ -127,41 +126,42 @@ std::uint8_t TmrXY::peek(std::uint32_t address) const {
 
 std::uint8_t TmrXY::read(Machine& m, std::uint32_t address, States at) {
   advance(m, at);
-  if (address == 0xfff1) timer_[bank_y() ? y : x].flags.read();
+  if (address == io::TCSRX) timer_[bank_y() ? y : x].flags.read();
   return peek(address);
 }
 
 void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
   const unsigned n = bank_y() ? y : x;
   Timer8& t = timer_[n];
-  if (n == x && (address == 0xfff2 || address == 0xfff3)) {
+  if (n == x && (address == io::TICRR || address == io::TICRF)) {
     m.misuse(address, "write to an input capture register of TMRX, which is read-only");
     return;
   }
   advance(m, at - 1);  // in the state of the write itself the write wins
-  std::uint8_t* const compare = address == (n == x ? 0xfff6u : 0xfff2u)   ? &t.tcora
-                                : address == (n == x ? 0xfff7u : 0xfff3u) ? &t.tcorb
-                                                                          : nullptr;
+  std::uint8_t* const compare = address == (n == x ? io::TCORAX : io::TCORAY)   ? &t.tcora
+                                : address == (n == x ? io::TCORBX : io::TCORBY) ? &t.tcorb
+                                                                                : nullptr;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
-  if (address != 0xfff4) advance(m, at);
+  if (address != io::TCNTX) advance(m, at);
   const bool drove = drives();
   switch (address) {
-    case 0xfff0:
+    case io::TCRX:
       t.tcr = value;
       break;
-    case 0xfff1:
-      t.flags.write(static_cast<std::uint8_t>(n == x ? value | 0x0f : value | 0x1f));
-      t.tcsr_low = value & 0x0f;
-      if (n == y) icie_ = (value & 0x10) != 0;
+    case io::TCSRX:
+      t.flags.write(
+          static_cast<std::uint8_t>(n == x ? value | TMR_TCSR::OS : value | ~Timer8::kFlags));
+      t.tcsr_low = value & TMR_TCSR::OS;
+      if (n == y) icie_ = (value & TMR_TCSR::ICIE) != 0;
       break;
-    case 0xfff4:
+    case io::TCNTX:
       t.count = value;
       break;
-    case 0xfff5:
+    case io::TCORC:
       if (n == x)
         tcorc_ = value;
       else
-        tisr_ = static_cast<std::uint8_t>(0xfe | (value & 1));
+        tisr_ = value | TISR::ONE;
       break;
     default:
       if (compare)
@@ -176,33 +176,34 @@ void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, S
 
 void TmrXY::write_connection(Machine& m, std::uint32_t address, std::uint8_t value) {
   switch (address) {
-    case 0xfffc:
-      if (value & 0xef)
+    case io::TCONRI:
+      if (value & ~TCONRI::ICST)
         m.misuse(address,
                  "TCONRI enables the timer connection, whose signal paths are not emulated");
-      if (value & 0x10 & ~tconri_) rose_ = false;
+      if (value & TCONRI::ICST & ~tconri_) rose_ = false;
       tconri_ = value;
       break;
-    case 0xfffd:
-      if (value & 0xf0)
+    case io::TCONRO:
+      if (value & (TCONRO::HOE | TCONRO::VOE | TCONRO::CLOE | TCONRO::CBOE))
         m.misuse(address,
                  "TCONRO enables a sync output of the timer connection, which is not emulated");
       tconro_ = value;
       break;
-    case 0xfffe:
-      if (value & 0x7f)
+    case io::TCONRS:
+      if (value & ~TCONRS::TMRXY)
         m.misuse(address,
                  "TCONRS selects sync signals of the timer connection, which are not emulated");
       tconrs_ = value;
       break;
     default:
-      sedgr_ = static_cast<std::uint8_t>(sedgr_ & value & 0xfc);  // flags, none of which rises here
+      // Flags, none of which rises here.
+      sedgr_ &= value & ~(SEDGR::IHI | SEDGR::IVI);
       break;
   }
 }
 
 void TmrXY::write(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  if (address >= 0xfffc)
+  if (address >= io::TCONRI)
     write_connection(m, address, value);
   else
     write_timer(m, address, value, at);

@@ -20,14 +20,14 @@ class TmrXY {
  public:
   static constexpr unsigned x = 0, y = 1;
 
-  // Register accesses: FFF0..FFF7 (banked by TCONRS bit 7) and FFFC..FFFF.
+  // Register accesses: TCRX..TCORBX (banked by TCONRS.TMRX/Y) and TCONRI..SEDGR.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
 
   // Must be called after the DTC has served the request of TMRY's compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at) {
-    timer_[y].flags.drop(vector & 1 ? Timer8::kCmfb : Timer8::kCmfa);
+    timer_[y].flags.drop(vector & 1 ? TMR_TCSR::CMFB : TMR_TCSR::CMFA);
     update(m, at);
   }
 
@@ -56,15 +56,14 @@ class TmrXY {
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void update(Machine& m, States at);
   void capture(bool rising);
-  bool bank_y() const { return (tconrs_ & 0x80) != 0; }
+  bool bank_y() const { return (tconrs_ & TCONRS::TMRXY) != 0; }
   void write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   void write_connection(Machine& m, std::uint32_t address, std::uint8_t value);
 
-  static constexpr std::uint8_t kIcf = 0x10;  // TCSRX.ICF, stored in TMRX's flags
-  std::array<Timer8, 2> timer_;
-  std::uint8_t ticrr_ = 0, ticrf_ = 0, tcorc_ = 0xff, tisr_ = 0xfe;
+  std::array<Timer8, 2> timer_;  // TCSRX.ICF is one of TMRX's flags
+  std::uint8_t ticrr_ = 0, ticrf_ = 0, tcorc_ = 0xff, tisr_ = TISR::ONE;
   bool rose_ = false;  // the first half of a pulse measurement is done
-  bool icie_ = false;  // TCSRY bit 4
+  bool icie_ = false;  // TCSRY.ICIE
   std::uint8_t tconri_ = 0, tconro_ = 0, tconrs_ = 0, sedgr_ = 0;
 };
 

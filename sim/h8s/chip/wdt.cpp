@@ -9,8 +9,9 @@ namespace kaz::h8s {
 States Wdt::divisor(const Machine& m, unsigned n) const {
   constexpr States table[] = {2, 64, 128, 512, 2048, 8192, 32768, 131072};
   // PSS: WDT1 counts the subclock, a second crystal that the board may lack.
-  if (n == 1 && (tcsr_ & 0x10)) return m.options.subclock_states * (States{2} << (tcsr_ & 7));
-  return table[tcsr_ & 7];
+  if (n == 1 && subclocked())
+    return m.options.subclock_states * (States{2} << (tcsr_ & WTCSR::CKS));
+  return table[tcsr_ & WTCSR::CKS];
 }
 
 // The subclock continues while the system clock is stopped.
@@ -24,8 +25,8 @@ std::int64_t Wdt::ticks(const Machine& m, unsigned n, States at) const {
 }
 
 void Wdt::update(Machine& m, unsigned n, States at) {
-  const bool interval = (tcsr_ & 0x40) == 0;
-  m.irq.set(n == 0 ? vec::wovi0 : vec::wovi1, interval && ovf_.has(0x80), at);
+  const bool interval = (tcsr_ & WTCSR::WTIT) == 0;
+  m.irq.set(n == 0 ? vec::wovi0 : vec::wovi1, interval && ovf_.has(WTCSR::OVF), at);
 }
 
 void Wdt::advance(Machine& m, unsigned n, States to) {
@@ -40,10 +41,10 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
   tick_ = target;
   if (turns == 0) return;
   const States at = base(m, n) + first * d;
-  ovf_.raise(0x80);
+  ovf_.raise(WTCSR::OVF);
   update(m, n, at);
   if (!watchdog()) return;
-  if (tcsr_ & 0x08)
+  if (tcsr_ & WTCSR::RSTNMI)
     m.watchdog_reset = true;
   else
     m.irq.set(vec::nmi, true, at);
@@ -52,7 +53,7 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
 // An interval timer whose flag is already set has no further event.
 States Wdt::next_event(const Machine& m, unsigned n) const {
   const States d = divisor(m, n);
-  if (!running() || d == 0 || (!watchdog() && ovf_.has(0x80))) return kNever;
+  if (!running() || d == 0 || (!watchdog() && ovf_.has(WTCSR::OVF))) return kNever;
   return base(m, n) + (tick_ + 256 - count_) * d;
 }
 
@@ -74,11 +75,11 @@ void Wdt::write_word(Machine& m, unsigned n, std::uint16_t value, States at) {
   if (value >> 8 == 0x5a) {
     if (running()) count_ = byte;
   } else if (value >> 8 == 0xa5) {
-    tcsr_ = byte & 0x7f;
-    ovf_.write(static_cast<std::uint8_t>(byte | 0x7f));
+    tcsr_ = byte & ~WTCSR::OVF;
+    ovf_.write(static_cast<std::uint8_t>(byte | ~WTCSR::OVF));
     if (!running()) count_ = 0;
   } else {
-    m.misuse(n == 0 ? 0xffa8 : 0xffea,
+    m.misuse(n == 0 ? io::WTCSR0 : io::WTCSR1,
              "watchdog written without its key (5A or A5 in the upper byte)");
   }
   tick_ = ticks(m, n, at);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "sim/h8s/chip/register_names.h"
 #include "sim/h8s/chip/sticky.h"
 #include "sim/h8s/cpu/cpu.h"
 
@@ -22,10 +23,10 @@ class Wdt {
 
   States next_event(const Machine& m, unsigned n) const;
   void advance(Machine& m, unsigned n, States to);
-  bool running() const { return (tcsr_ & 0x20) != 0; }
+  bool running() const { return (tcsr_ & WTCSR::TME) != 0; }
   // Returns TCSR.PSS, which only WDT1 has.
-  bool subclocked() const { return (tcsr_ & 0x10) != 0; }
-  bool watchdog() const { return (tcsr_ & 0x60) == 0x60; }
+  bool subclocked() const { return (tcsr_ & WTCSR::PSS) != 0; }
+  bool watchdog() const { return (tcsr_ & WTCSR::WTIT) && (tcsr_ & WTCSR::TME); }
 
   // Serializes the complete state (shared/base/archive.hpp).
   template <class A>
