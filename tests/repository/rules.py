@@ -245,6 +245,24 @@ def check_json():
             fault(name, "parses JSON itself; shared/base/bounded_json.hpp has the one function")
 
 
+# A register's address (FE00..FFFF, 16 or 24 bits), and a mask that is more than a cut to 8, 16 or 24 bits.
+ADDRESS = re.compile(r"\b0x(?:ff)?f[ef][0-9a-f]{2}u?\b", re.I)
+MASK = re.compile(r"[&|]=? ?~?\(?(?:0x[0-9a-f]+|(?<=>> \d & )[2-9]\d*)u?\b", re.I)
+CUT = re.compile(r"(?:0xff|0xffff|0xffffff|0xff00|0xff0000)u?$", re.I)
+
+
+def check_registers():
+    """The emulated chip names its registers and their bits: sim/h8s/chip/registers.def."""
+    for path in files("sim/h8s/chip/*.cpp", "sim/h8s/chip/*.h"):
+        name = path.relative_to(ROOT).as_posix()
+        if TEST_FILE.search(name):
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for found in [*ADDRESS.finditer(line), *MASK.finditer(line)]:
+                if not CUT.search(found[0]):
+                    fault(f"{name}:{number}", f"'{found[0]}': use a name of sim/h8s/chip/registers.def")
+
+
 def headings(text):
     """The anchors of a page, as GitHub makes them: lower case, without punctuation, numbered if repeated."""
     anchors = set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
@@ -371,6 +389,7 @@ check_sources()
 check_layers()
 check_owners()
 check_json()
+check_registers()
 check_links()
 check_temporary_names()
 check_clang()
