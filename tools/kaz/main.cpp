@@ -54,7 +54,6 @@ void report_json(CLI::App& verb, const kaz::Error& error) {
   const CLI::Option* json = verb.get_option_no_throw("--json");
   if (json == nullptr || json->count() == 0 || kaz::tools::json_printed()) return;
   if (json->get_expected_max() > 0) return;  // names a file, whose report has its own end
-  if (const std::string& given = json->results().back(); given == "false" || given == "0") return;
   kaz::tools::print_json({{"error", error.message},
                           {"exit_code", kaz::tools::exit_status(error)},
                           {"provenance", kaz::tools::provenance_json()}});
@@ -71,16 +70,6 @@ std::vector<std::string> reversed_words(int argc, char** argv) {
   return words;
 }
 
-// What follows the verb in `kaz help VERB MORE`; empty: nothing.
-std::string more_than_verb(CLI::App& program, int argc, char** argv) {
-  if (argc < 2 || std::string_view(argv[1]) != "help") return "";
-  int verb = 1;
-  for (const CLI::App* app = &kaz::tools::chosen_verb(program); app->get_parent() != nullptr;
-       app = app->get_parent())
-    ++verb;
-  return verb + 1 < argc ? argv[verb + 1] : "";
-}
-
 int parse_and_run(int argc, char** argv) {
   kaz::tools::set_command_line(argc, argv);
   CLI::App program(
@@ -92,12 +81,14 @@ int parse_and_run(int argc, char** argv) {
   program.set_version_flag("--version", std::string("kaz ") + kaz::tools::kVersion,
                            "print the version");
   program.require_subcommand(1);
+  program.group("Verbs");  // the heading of their list
+  // CLI11 accepts any number above 0, and some words, as the value of a flag.
+  program.option_defaults()->disable_flag_override();
   program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
   kaz::tools::Action action;
 #define KAZ_VERB(name, interrupt) kaz::tools::add_##name(program, action);
 #include "tools/kaz/verbs.def"
 #undef KAZ_VERB
-  kaz::tools::check_flags(program);
   // After the verbs, which would inherit it.
   program.footer(
       "Recordings are MCAP files. Foxglove (foxglove.dev), PlotJuggler and the command mcap can "
@@ -123,10 +114,8 @@ int parse_and_run(int argc, char** argv) {
     program.parse(reversed_words(argc, argv));
   } catch (const CLI::Success& success) {  // --help, --version
     kaz::tools::name_verb(kaz::tools::full_name(kaz::tools::chosen_verb(program)));
-    const std::string unknown = kaz::tools::unknown_verb(program);
+    const std::string unknown = kaz::tools::unknown_words(program);
     if (!unknown.empty()) return refuse(unknown);
-    if (const std::string more = more_than_verb(program, argc, argv); !more.empty())
-      return refuse("`help` takes only a verb, not `" + more + "`");
     return program.exit(success);
   } catch (const CLI::ParseError& wrong) {
     if (argc < 2) {  // somebody's first look: what there is

@@ -3,12 +3,19 @@
 #include "tools/kaz/options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 
 namespace kaz::tools {
 namespace {
 
 constexpr std::size_t kMaxDigits = 18;
+
+// Without an exponent.
+std::string decimal(double number) {
+  char text[400];
+  return {text, std::to_chars(text, std::end(text), number, std::chars_format::fixed).ptr};
+}
 
 // Without the zeros before it, which CLI11 would take for octal. Nothing if it is none.
 std::optional<std::string> whole_number_of(const std::string& text) {
@@ -20,55 +27,55 @@ std::optional<std::string> whole_number_of(const std::string& text) {
 
 }  // namespace
 
-CLI::Validator number() {
+CLI::Validator accept_if(const std::function<bool(std::string&)>& valid, const std::string& values,
+                         const std::string& kind) {
   return CLI::Validator(
-      [](std::string& text) {
-        return parse_number<double>(text) ? std::string() : "give a number";
+      [valid, error = "must be " + kind + values + ", not "](std::string& text) {
+        const std::string given = text;
+        return valid(text) ? std::string() : error + given;
       },
-      "");
+      " " + values);
+}
+
+CLI::Validator number() {
+  return accept_if([](std::string& text) { return parse_number<double>(text).has_value(); },
+                   "a number");
 }
 
 CLI::Validator positive() {
-  return CLI::Validator(
-      [](std::string& text) {
-        const auto given = parse_number<double>(text);
-        return given && *given > 0 ? std::string() : "give a number above 0";
-      },
-      "POSITIVE");
+  return accept_if([](std::string& text) { return parse_number<double>(text).value_or(0) > 0; },
+                   "above 0", "a number ");
 }
 
 CLI::Validator between(double min, double max, const std::string& unit) {
-  return CLI::Validator(
+  return accept_if(
       [min, max](std::string& text) {
         const auto given = parse_number<double>(text);
-        return given && *given >= min && *given <= max ? std::string() : "give a number in range";
+        return given && *given >= min && *given <= max;
       },
-      range_notation(min, max) + (unit.empty() ? "" : " " + unit));
+      decimal(min) + " to " + decimal(max) + (unit.empty() ? "" : " " + unit));
 }
 
 CLI::Validator whole_number() {
-  const std::string max(kMaxDigits, '9');
-  return CLI::Validator(
-      [max](std::string& text) {
+  return accept_if(
+      [](std::string& text) {
         const auto number = whole_number_of(text);
-        if (!number) return "give a whole number from 0 to " + max;
-        text = *number;
-        return std::string();
+        if (number) text = *number;
+        return number.has_value();
       },
-      "INT in [0 - " + max + "]");
+      "0 to " + std::string(kMaxDigits, '9'), "a whole number from ");
 }
 
 CLI::Validator whole_number_above_zero(std::int64_t max) {
-  return CLI::Validator(
+  return accept_if(
       [max](std::string& text) {
         const auto number = whole_number_of(text);
         const auto value = number ? parse_number<std::int64_t>(*number) : std::nullopt;
-        if (!value || *value < 1 || *value > max)
-          return "give a whole number from 1 to " + std::to_string(max);
+        if (!value || *value < 1 || *value > max) return false;
         text = *number;
-        return std::string();
+        return true;
       },
-      range_notation(std::int64_t{1}, max));
+      "1 to " + std::to_string(max), "a whole number from ");
 }
 
 void add_sim_options(CLI::App& verb, BackendOptions& options) {
@@ -105,7 +112,7 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
       ->type_name("MS")
       ->capture_default_str();
   verb.add_option("--supply", options.supply_volts, "supply voltage of the board")
-      ->check(between(kMinSupply_v, kMaxSupply_v))
+      ->check(between(kMinSupply_v, kMaxSupply_v, "V"))
       ->type_name("V")
       ->capture_default_str();
   add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
@@ -114,13 +121,15 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
              "pictures");
   verb.add_option("--eye-width", options.eye_width,
                   "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
-      ->check(CLI::IsMember({320, 640}));
+      ->check(CLI::IsMember({"320", "640"}).description(""))
+      ->type_name("320|640");
   add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
              "raster: Kaz's own renderer of the pictures; opengl: the reference renderer, which "
              "uses Mesa and takes three times as long as raster");
   verb.add_option("--seed", options.seed,
                   "seed of all noise; the same seed gives identical results")
       ->transform(whole_number())
+      ->type_name("N")
       ->capture_default_str();
 }
 
@@ -154,7 +163,7 @@ void add_motor_options(CLI::App& verb, BackendOptions& options) {
                   "name of the motor in the motor file (default: the file's default motor)")
       ->type_name("NAME");
   verb.add_option("--disc", options.disc_kgm2, "inertia of the disc on the motor's shaft")
-      ->check(between(1e-6, 2e-3))
+      ->check(between(1e-6, 2e-3, "kg m2"))
       ->capture_default_str()
       ->type_name("KGM2");
 }
@@ -197,7 +206,7 @@ void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load
   verb.add_option("--format", load.format,
                   "format of the image (default: detected from the file's contents)")
       ->transform(one_of(formats))
-      ->type_name("FORMAT");
+      ->type_name("coff|elf|ihex|raw|srec");
   verb.add_option("--at", load.address,
                   "address of a raw image's first byte; execution starts at this address")
       ->check(between(std::uint32_t{0}, max_address))

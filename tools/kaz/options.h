@@ -5,6 +5,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
@@ -19,7 +20,6 @@
 #include "shared/image/image.h"
 #include "shared/protocol/messages.h"
 #include "tools/app/session/backend.h"
-#include "tools/kaz/values.h"
 
 namespace kaz::tools {
 
@@ -27,12 +27,17 @@ namespace kaz::tools {
 // Without these validators, CLI11 accepts nan (even in CLI::Range), infinity and hexadecimal fractions, and
 // silently clamps values that are too large for the type.
 
+// Accepts a text if `valid` returns true; `valid` may rewrite the text. Error messages name the `kind` and
+// the `values`; help shows the `values` after the type: "--supply V: 1 to 20 V".
+CLI::Validator accept_if(const std::function<bool(std::string&)>& valid, const std::string& values,
+                         const std::string& kind = "");
+
 // Accepts a finite decimal number.
 CLI::Validator number();
 // Accepts a number above 0. The error message of CLI11's own check would contain the largest double.
 CLI::Validator positive();
-// Accepts `min` to `max`, inclusive. The overload for integers also accepts hexadecimal numbers such as 0x10.
-// `unit` appears in help and error messages. Pass a unit if the option's type has no unit (values.cpp).
+// Accepts `min` to `max`, inclusive. The overload for integers also accepts hexadecimal numbers such as 0x10,
+// and shows the limits of unsigned types, such as addresses, as hexadecimal numbers.
 CLI::Validator between(double min, double max, const std::string& unit = "");
 template <std::integral T>
 CLI::Validator between(T min, T max);
@@ -44,44 +49,34 @@ CLI::Validator whole_number();
 CLI::Validator whole_number_above_zero(std::int64_t max = 999'999'999'999'999'999);
 
 // Accepts the names of `values` and replaces each name by its number. CLI11's own transformer would also
-// print the numbers in help texts.
+// print the numbers in error messages.
 template <class T>
 CLI::Validator one_of(const std::map<std::string, T>& values) {
   std::vector<std::string> names;
   for (const auto& [name, value] : values) names.push_back(name);
   return CLI::Validator(
-      [values, names](std::string& text) {
-        const auto found = values.find(text);
-        if (found != values.end()) {
-          text = std::to_string(static_cast<int>(found->second));
-          return std::string{};
-        }
-        return "give " + alternatives(names);
+      [values, is_name = CLI::IsMember(names)](std::string& text) {
+        std::string error = is_name(text);
+        if (error.empty()) text = std::to_string(static_cast<int>(values.at(text)));
+        return error;
       },
-      "{" + CLI::detail::join(names, ",") + "}");
+      "");
 }
-
-// Returns CLI11's notation of a range, which values.h parses.
-template <class T>
-std::string range_notation(T min, T max) {
-  std::ostringstream text;
-  text << CLI::detail::type_name<T>() << " in [" << min << " - " << max << "]";
-  return text.str();
-}
-
 template <std::integral T>
 CLI::Validator between(T min, T max) {
-  return CLI::Validator(
+  std::ostringstream values;
+  if (std::is_unsigned_v<T>) values << std::hex << std::showbase;
+  values << min << " to " << max;
+  return accept_if(
       [min, max](std::string& text) {
         const auto number = text.starts_with("0x")
                                 ? parse_number<T>(std::string_view(text).substr(2), 16)
                                 : parse_number<T>(text);
-        if (!number || *number < min || *number > max)
-          return "give a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+        if (!number || *number < min || *number > max) return false;
         text = std::to_string(*number);  // CLI11 would read 010 as an octal number
-        return std::string();
+        return true;
       },
-      range_notation(min, max));
+      values.str(), "a whole number from ");
 }
 
 // Adds an option whose values are the names of an enum. `to` is a T or a std::optional<T>. The value of a T
@@ -92,7 +87,8 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   auto* option = verb.add_option_function<std::string>(
       name, [&to, values](const std::string& text) { to = parse_enum(values, text).value(); },
       description);
-  option->check(CLI::IsMember(enum_names(values)));
+  const auto names = enum_names(values);
+  option->check(CLI::IsMember(names).description(""))->type_name(CLI::detail::join(names, "|"));
   if constexpr (std::is_same_v<T, To>) option->default_str(to_string(to));
   return option;
 }

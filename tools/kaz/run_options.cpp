@@ -71,7 +71,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
                   "without recording, and restore the state. The recording must be "
                   "identical to the recording of the same run without --restore-every")
-      ->check(between(0.001, 1e6))
+      ->check(between(0.001, 1e6, "s"))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.session.vision.modules,
                   "vision modules to run, separated by commas: " + module_names() +
@@ -83,7 +83,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
                   "file with the ball's color, written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
   verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
-      ->check(between(0.005, 0.5))
+      ->check(between(0.005, 0.5, "m"))
       ->capture_default_str()
       ->type_name("M");
   add_watch_options(verb, arguments.watch);

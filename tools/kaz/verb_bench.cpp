@@ -68,7 +68,7 @@ void add_motor_arguments(CLI::App& verb, BenchOptions& arguments) {
       ->type_name("ctl:PATH|manual");
   verb.add_option("--supply", arguments.supply_volts,
                   "no-load supply voltage of the stand, V; some measurements set their own voltage")
-      ->check(between(5.0, 12.0))
+      ->check(between(5.0, 12.0, "V"))
       ->type_name("VOLTS")
       ->capture_default_str();
   verb.add_option("--filter", arguments.filter,
@@ -162,7 +162,7 @@ void add_servo(CLI::App& bench_verb, Action& action) {
                    "fit the friction models from M1 up to this number; for example, 4 selects M1 "
                    "to M4 (default: 6)")
       ->check(between(1, 6))
-      ->type_name("1..6");
+      ->type_name("N");
   verb->add_option("--out", arguments->out,
                    "folder for report.html, result.json and held-out-*.svg")
       ->capture_default_str()
@@ -189,7 +189,7 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
                                                         : servo_bus::Protocol::dynamixel;
           },
           "the servo's protocol, if --robot does not name the protocol")
-      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
       ->type_name("feetech|dynamixel");
   add_port(*verb, arguments->robot, kBusText)->required();
   verb->add_option("--baud", arguments->baud,
@@ -202,36 +202,36 @@ void add_pendulum(CLI::App& bench_verb, Action& action) {
       ->type_name("N");
   verb->add_option("--mass", recorder.mass_kg, "mass at the end of the arm, kg")
       ->required()
-      ->check(between(0.001, 20.0))
+      ->check(between(0.001, 20.0, "kg"))
       ->type_name("KG");
   verb->add_option("--length", recorder.length_m, "distance from the shaft to the mass, m")
       ->required()
-      ->check(between(0.01, 2.0))
+      ->check(between(0.01, 2.0, "m"))
       ->type_name("M");
   verb->add_option("--arm", recorder.arm_kg,
                    "mass of the arm, kg; the arm must be a uniform rod of length --length")
-      ->check(between(0.0, 20.0))
+      ->check(between(0.0, 20.0, "kg"))
       ->capture_default_str()
       ->type_name("KG");
   verb->add_option("--amplitude", arguments->amplitude_deg,
                    "amplitude of the swing to each side of the vertical")
-      ->check(between(10.0, 150.0))
+      ->check(between(10.0, 150.0, "degrees"))
       ->capture_default_str()
       ->type_name("DEGREES");
   verb->add_option("--seconds", recorder.seconds,
                    "duration of each log. Each log contains one complete motion, so a shorter "
                    "duration makes the motion faster")
-      ->check(between(2.0, 60.0))
+      ->check(between(2.0, 60.0, "s"))
       ->capture_default_str()
       ->type_name("S");
   verb->add_option("--max-celsius", recorder.max_celsius,
                    "temperature above which the torque is switched off")
-      ->check(between(25.0, 100.0))
+      ->check(between(25.0, 100.0, "C"))
       ->capture_default_str()
       ->type_name("C");
   verb->add_option("--max-amps", recorder.max_amps,
                    "current above which the torque is switched off")
-      ->check(between(0.05, 20.0))
+      ->check(between(0.05, 20.0, "A"))
       ->capture_default_str()
       ->type_name("A");
   verb->add_option("--out", arguments->out, "folder for the logs and record.json")
@@ -315,8 +315,8 @@ void add_bench(CLI::App& program, Action& action) {
       "  kaz bench motor --joint l_knee,r_knee --filter 'stall|no_load'\n"
       "  kaz bench motor --robot serial:/dev/ttyUSB0 --joint l_sh_pitch --stand manual --disc "
       "4e-4\n"
-      "  kaz bench motor --robot serial:board --stand ctl:board.ctl     # for kaz sim --serial "
-      "board --stand");
+      "  kaz bench motor --robot serial:board --stand ctl:board.ctl   # for kaz sim --serial board "
+      "--stand");
   add_measuring(
       *verb, action, "link",
       "measure the link's round-trip times, cycles per second, errors and lost telemetry",

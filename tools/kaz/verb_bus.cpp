@@ -60,7 +60,7 @@ void add_record(CLI::App& bus, Action& action) {
   verb->add_option(
           "--seconds", options->seconds,
           "duration; the recording leaves out the time without motion at the start and the end")
-      ->check(between(1.0, 120.0))
+      ->check(between(1.0, 120.0, "s"))
       ->capture_default_str()
       ->type_name("S");
   verb->add_flag("--release", options->release,
@@ -127,7 +127,7 @@ void add_bus(CLI::App& program, Action& action) {
       ->required();
   scan->add_option("--protocol", options->protocol,
                    "protocol to try, if --robot does not name the protocol (default: both)")
-      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
       ->type_name("feetech|dynamixel");
   scan->add_option(
           "--baud", options->bauds,

@@ -55,7 +55,7 @@ void add_stereo(CLI::App& calibrate, Action& action) {
       ->add_option("--max-rms", arguments->max_rms_px,
                    "largest valid reprojection error (RMS), px; if the error is larger, no "
                    "calibration is written")
-      ->check(between(0.01, 5.0))
+      ->check(between(0.01, 5.0, "px"))
       ->capture_default_str()
       ->type_name("PX");
   stereo->add_flag("--json", arguments->json,
@@ -122,7 +122,8 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
                   "its joints against the mechanical stops. With 'floor', the robot stands on the "
                   "floor, and the board must already have a stored calibration. With 'gauge', no "
                   "joint moves, and you enter the angles")
-      ->check(CLI::IsMember({"stops", "floor", "gauge"}));
+      ->check(CLI::IsMember({"stops", "floor", "gauge"}).description(""))
+      ->type_name("stops|floor|gauge");
   verb.add_option(
           "--gauge", options.gauge,
           "present angle of the joint NAME. Measure this angle with a gauge or a jig. If all "
@@ -133,7 +134,7 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
       ->take_all();
   verb.add_option("--gauge-error", options.gauge_error_deg,
                   "uncertainty of the gauge angles, one standard deviation in degrees")
-      ->check(between(0.01, 5.0))
+      ->check(between(0.01, 5.0, "degrees"))
       ->capture_default_str()
       ->type_name("DEGREES");
   verb.add_flag("--yes", options.yes,
@@ -163,7 +164,7 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
 void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
   verb.add_option("--seconds", options.seconds,
                   "on a servo bus: time limit for turning the joints by hand")
-      ->check(between(1.0, 3600.0))
+      ->check(between(1.0, 3600.0, "s"))
       ->capture_default_str()
       ->type_name("S");
   verb.add_flag("--release", options.release,

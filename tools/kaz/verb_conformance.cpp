@@ -54,7 +54,8 @@ void add_conformance(CLI::App& program, Action& action) {
       },
       "check a servo on a servo bus instead of a board. The cases check whether the servo follows "
       "its manufacturer's documentation");
-  bus->check(CLI::IsMember({"feetech", "dynamixel"}))->type_name("feetech|dynamixel");
+  bus->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
+      ->type_name("feetech|dynamixel");
   verb->add_option("--id", arguments->id, "id of the servo on the bus")
       ->check(between(0, 253))
       ->capture_default_str()

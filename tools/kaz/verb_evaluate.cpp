@@ -250,7 +250,7 @@ void add_evaluate(CLI::App& program, Action& action) {
           "--bearing", c.variation.bearing_deg,
           "maximum bearing of the ball or the goal, degrees. The bearing is the angle to the left "
           "or right of the direction straight ahead")
-      ->check(between(0.0, 180.0))
+      ->check(between(0.0, 180.0, "degrees"))
       ->capture_default_str()
       ->type_name("DEGREES");
   add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, separated by commas")
@@ -374,7 +374,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate ./wave.so --episodes 4 --out waved\n"
       "  kaz evaluate ./my_catch.so --judge catch-ball --episodes 20 --out mine\n"
       "  kaz evaluate catch-ball --props 3 10 --floors wood,plain --lamp 0.03 0.12 --shade 0.03 "
-      "0.12 --out dark\n"
+      "0.12 \\\n      --out dark\n"
       "  kaz evaluate catch-ball --sensors as-built --calibrated --episodes 20 --out built\n"
       "  kaz evaluate catch-ball --realtime --episodes 10 --out live\n"
       "  kaz evaluate navigate --episodes 20 --seed 3 --jobs 2 --out walked\n"

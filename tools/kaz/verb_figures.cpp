@@ -47,13 +47,16 @@ void add_figures(CLI::App& program, Action& action) {
   options->backend.world = "boxes";
   options->backend.eyes = sim::EyeKind::real;
   options->backend.imu = true;
+  std::vector<std::string> numbers;
+  for (const int number : figure_numbers()) numbers.push_back(std::to_string(number));
   verb->add_option("--out", options->out,
                    "folder for the figures, figures.html, result.json and the runs")
       ->type_name("DIR")
       ->capture_default_str();
   verb->add_option("--only", *only, "draw only these figures, separated by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember(figure_numbers()))
+      ->check(CLI::IsMember(numbers).description(""))
+      ->type_name(CLI::detail::join(numbers, "|"))
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();

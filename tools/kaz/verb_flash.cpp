@@ -17,8 +17,7 @@ constexpr const char* kWriteExamples =
     "  kaz flash write kaz.mot --robot serial:board --reset ctl:board.ctl     # for kaz sim "
     "--erased\n"
     "  kaz flash write kaz.mot --robot serial:/dev/ttyUSB0 --reset manual\n";
-constexpr const char* kExitStatus =
-    "Exit status: 0 done, 1 failed, 2 wrong usage or image, 3 port error.";
+constexpr const char* kExitStatus = "Exit status: 2 wrong usage or image, 3 port error.\n";
 
 // Of the verbs that can do without the loader.
 void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
@@ -32,7 +31,8 @@ void add_boot_mode(CLI::App& verb, FlashArguments& arguments) {
                       "loader is used")
           ->type_name("HOW");
   verb.add_option("--boot-baud", arguments.boot_baud, "baud rate in boot mode")
-      ->check(CLI::IsMember({4800, 9600, 19200}))
+      ->check(CLI::IsMember({"4800", "9600", "19200"}).description(""))
+      ->type_name("4800|9600|19200")
       ->capture_default_str()
       ->needs(reset);
   verb.add_option("--writer", arguments.writer,
@@ -66,13 +66,9 @@ void add_common(CLI::App& verb, FlashArguments& arguments, bool dry_run) {
 
 // The message on a block that the loader keeps says more (flash/arguments.cpp).
 CLI::Validator erasable_block() {
-  return CLI::Validator(
-      [](std::string& text) {
-        std::string number = text;
-        if (between(0, host::kFlashBlocks - 1)(number).empty()) return std::string();
-        return std::string("give block numbers from 1 to 5 or from 7 to 9");
-      },
-      "");
+  return accept_if(
+      [](std::string& text) { return between(0, host::kFlashBlocks - 1)(text).empty(); },
+      "1 to 5 or 7 to 9", "block numbers ");
 }
 
 void add_image(CLI::App& verb, FlashArguments& arguments) {
@@ -87,8 +83,8 @@ void add_flash(CLI::App& program, Action& action) {
       "flash",
       "write, read and verify the board's firmware, through boot mode or the resident loader");
   all->require_subcommand(1);
-  all->footer(std::string("Examples:\n") + kWriteExamples +
-              "  kaz flash info --robot serial:/dev/ttyUSB0\n" + kExitStatus);
+  all->footer(std::string(kExitStatus) + "Examples:\n" + kWriteExamples +
+              "  kaz flash info --robot serial:/dev/ttyUSB0");
   const auto add = [&](const char* name, const char* text, const char* examples) {
     auto* verb = all->add_subcommand(name, text);
     const std::string_view which = name;
@@ -99,7 +95,7 @@ void add_flash(CLI::App& program, Action& action) {
                                                     : "This verb uses the resident loader, because "
                                                       "boot mode would erase the flash.\n") +
                  (takes_image && image ? "The firmware of this kaz: " + *image + "\n" : "") +
-                 "Examples:\n" + examples + kExitStatus);
+                 kExitStatus + "Examples:\n" + examples);
     auto arguments = std::make_shared<FlashArguments>();
     arguments->verb = name;
     add_common(*verb, *arguments, which == "write");
@@ -148,7 +144,7 @@ void add_flash(CLI::App& program, Action& action) {
           "  kaz flash read --robot serial:/dev/ttyUSB0 --out flash.bin\n"
           "  kaz flash read --robot serial:board --from 0x1000 --length 4096 --out part.bin\n");
   read->add_option("--from", to_read->from, "first address to read")
-      ->check(between(0, 0x1ffff))
+      ->check(between(0U, 0x1ffffU))
       ->type_name("ADDRESS")
       ->capture_default_str();
   read->add_option("--length", to_read->length, "number of bytes to read")

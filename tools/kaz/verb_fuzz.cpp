@@ -21,7 +21,7 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto* seconds =
       verb->add_option("--seconds", arguments->seconds,
                        "duration of the run; a case that is running at the end is still completed")
-          ->check(between(0.001, 1e7))
+          ->check(between(0.001, 1e7, "s"))
           ->capture_default_str()
           ->type_name("SECONDS");
   auto* cases =

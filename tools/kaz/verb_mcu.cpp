@@ -1,5 +1,6 @@
 // `kaz mcu`: the servo board's chip by itself.
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
@@ -70,7 +71,7 @@ void add_mcu_compare(CLI::App& mcu, Action& action) {
                    "engine of the emulator: reference, interpreter or translator. The default in "
                    "all verbs is translator")
       ->transform(one_of(kEngines))
-      ->type_name("ENGINE");
+      ->type_name("interpreter|reference|translator");
   verb->add_option(
           "--image", arguments->options.image_path,
           "firmware image (default: the built image). For an S-record image, such as kaz.mot, the "
@@ -125,11 +126,12 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
   verb.add_option("--engine", options.engine,
                   "engine of the emulator: reference, interpreter or translator (the default)")
       ->transform(one_of(kEngines))
-      ->type_name("ENGINE");
+      ->type_name("interpreter|reference|translator");
   verb.add_option("--mode", options.mode,
                   "mode pins: 2 selects advanced mode (24-bit addresses), 3 selects normal mode "
                   "(16-bit addresses)")
-      ->check(CLI::IsMember({2, 3}))
+      ->check(CLI::IsMember({"2", "3"}).description(""))
+      ->type_name("2|3")
       ->capture_default_str()
       ->excludes("--flat");
   verb.add_option("--ram-fill", options.ram_fill, "initial value of each byte of RAM")
@@ -138,8 +140,8 @@ void add_machine_options(CLI::App& verb, McuRunOptions& options) {
       ->excludes("--flat")
       ->type_name("BYTE");
   verb.add_option("--crystal", options.crystal_hz, "frequency of the crystal")
-      ->check(between(1e5, 1e8))
-      ->capture_default_str()
+      ->check(between(1e5, 1e8, "Hz"))
+      ->default_str(std::to_string(std::llround(options.crystal_hz)))
       ->excludes("--flat")
       ->type_name("HZ");
 }
@@ -149,6 +151,7 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
   verb.add_flag("--trace{-}", debug.trace,
                 "print each instruction and its effects on standard error; --trace=FILE writes the "
                 "trace to FILE")
+      ->disable_flag_override(false)
       ->excludes("--flat")
       ->type_name("FILE");
   auto* profile =
@@ -157,11 +160,13 @@ void add_debug_options(CLI::App& verb, McuDebugOptions& debug) {
               "at the end, print how many states (clock cycles) each function took, on standard "
               "error; --profile=FILE writes this profile to FILE. Function names need a COFF or "
               "ELF image")
+          ->disable_flag_override(false)
           ->excludes("--flat")
           ->type_name("FILE");
   verb.add_option("--profile-format", debug.profile_format,
                   "format of the profile: text, json or callgrind (for KCachegrind)")
-      ->check(CLI::IsMember({"text", "json", "callgrind"}))
+      ->check(CLI::IsMember({"text", "json", "callgrind"}).description(""))
+      ->type_name("text|json|callgrind")
       ->capture_default_str()
       ->needs(profile);
   verb.add_option("--tick", debug.tick,
@@ -195,6 +200,7 @@ void add_bare_run(CLI::App& mcu, Action& action) {
   add_machine_options(*verb, *options);
   verb->add_flag("--entry{image}", options->entry,
                  "start at the image's entry point, or at ADDRESS, instead of at the reset vector")
+      ->disable_flag_override(false)
       ->type_name("ADDRESS");
   verb->add_option(
           "--input", options->input,

@@ -29,7 +29,7 @@ void add_recover(CLI::App& program, Action& action) {
           "--shared-line",
           [arguments](const std::string& text) { arguments->shared_line = text == "on"; },
           "whether the board shares its line with other boards: on or off (default: unchanged)")
-      ->check(CLI::IsMember({"on", "off"}))
+      ->check(CLI::IsMember({"on", "off"}).description(""))
       ->type_name("on|off");
   verb->add_option("--from", arguments->from,
                    "file in which an interrupted run noted the board's settings. The last message "

@@ -95,23 +95,6 @@ std::string behavior_text(const behavior::Behavior& behavior) {
   return text;
 }
 
-// Options that stand for one of a behavior's. Help shows them with the behaviors that have it.
-struct Shortcut {
-  const char *option, *sets;
-};
-constexpr Shortcut kShortcuts[] = {
-    {"--duration", "seconds"}, {"--goal", "goal"}, {"--poses", "poses"}};
-
-// `shown`: the group of options that help shows.
-void show_shortcuts(CLI::App& verb, const behavior::Behavior* behavior, const std::string& shown) {
-  for (const auto& [option, sets] : kShortcuts) {
-    const bool has =
-        behavior != nullptr &&
-        std::ranges::count(behavior->options, std::string_view(sets), &behavior::Option::name) > 0;
-    verb.get_option(option)->group(has ? shown : "");
-  }
-}
-
 constexpr const char* kExamples[] = {
     "  kaz run search-ball\n",
     "  kaz run track-ball --seed 3 --duration 12 --out three\n",
@@ -212,15 +195,11 @@ void add_run(CLI::App& program, Action& action) {
                  "and add the table to result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
-  const std::string shown = verb->get_option("--robot")->get_group();
-  show_shortcuts(*verb, nullptr, shown);
   auto chosen = std::make_shared<std::optional<behavior::Behavior>>();
   // Before --help is answered.
-  verb->get_option("BEHAVIOR")->each([verb, chosen, shown](const std::string& name) {
+  verb->get_option("BEHAVIOR")->each([chosen](const std::string& name) {
     const auto known = behavior::find_behavior(name);
-    if (!known || behavior::names_plugin(name)) return;
-    *chosen = *known;
-    show_shortcuts(*verb, &**chosen, shown);
+    if (known && !behavior::names_plugin(name)) *chosen = *known;
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str(

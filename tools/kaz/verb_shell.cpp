@@ -1,5 +1,6 @@
 // `kaz completion` and `kaz man`: made from the verbs and options that the program has.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <functional>
@@ -12,7 +13,6 @@
 #include "tools/app/base/output.h"
 #include "tools/app/base/version.h"
 #include "tools/kaz/help.h"
-#include "tools/kaz/values.h"
 #include "tools/kaz/verbs.h"
 
 namespace kaz::tools {
@@ -25,9 +25,17 @@ void each(CLI::App& app, const std::function<void(CLI::App&)>& visit) {
 }
 
 std::string joined(const std::vector<std::string>& words) {
-  std::string line;
-  for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
-  return line;
+  return CLI::detail::join(words, " ");
+}
+
+// The words in a type such as "h8|native" or "sim|PORT". Placeholders for other values have capital letters.
+std::vector<std::string> choices(const CLI::Option& option) {
+  std::vector<std::string> words = CLI::detail::split(option.get_type_name(), '|');
+  std::erase_if(words, [](const std::string& word) {
+    return word.empty() ||
+           std::ranges::any_of(word, [](unsigned char c) { return std::isupper(c) != 0; });
+  });
+  return words;
 }
 
 // The words that a positional argument can be.
@@ -150,13 +158,11 @@ std::string man_page(CLI::App& app) {
   const std::string text = app.get_description();
   const auto end = text.find(". ");
   page += ".SH NAME\n" + escaped(dashed(full_name(app)) + " - " + text.substr(0, end)) + "\n";
-  page += ".SH SYNOPSIS\n" + escaped(usage(app)) + "\n";
+  page += ".SH SYNOPSIS\n" + escaped(HelpFormatter().make_usage(&app, full_name(app)));
   const Footer footer = footer_of(app);
-  if (end != std::string::npos || !footer.notes.empty()) {
-    page += ".SH DESCRIPTION\n";
-    if (end != std::string::npos) page += escaped(text.substr(end + 2)) + ".\n.PP\n";
-    page += paragraphs(footer.notes);
-  }
+  page += ".SH DESCRIPTION\n";
+  if (end != std::string::npos) page += escaped(text.substr(end + 2)) + ".\n.PP\n";
+  page += paragraphs(footer.notes);
   add_options(app, page);
   if (!app.get_subcommands(nullptr).empty()) {
     page += ".SH VERBS\n";
@@ -164,9 +170,7 @@ std::string man_page(CLI::App& app) {
       page += ".TP\n.B " + verb->get_name() + "\n" + escaped(verb->get_description()) + "\n";
     }
   }
-  if (!footer.exit_status.empty()) page += ".SH EXIT STATUS\n" + escaped(footer.exit_status) + "\n";
-  if (!footer.examples.empty()) page += ".SH EXAMPLES\n" + as_typed(footer.examples);
-  return page;
+  return page + ".SH EXAMPLES\n" + as_typed(footer.examples);
 }
 
 }  // namespace
@@ -177,8 +181,8 @@ void add_shell(CLI::App& program, Action& action) {
   auto shell = std::make_shared<std::string>();
   completion->add_option("SHELL", *shell, "name of the shell: bash")
       ->required()
-      ->check(CLI::IsMember({"bash"}))
-      ->type_name("");
+      ->check(CLI::IsMember({"bash"}).description(""))
+      ->type_name("bash");
   completion->footer("Examples:\n  source <(kaz completion bash)");
   completion->callback([&program, &action, shell] {  // which CLI11 writes to until then
     action = [&program]() -> Result<Outcome> {

@@ -141,7 +141,7 @@ void add_sim(CLI::App& program, Action& action) {
   verb->add_option("--bus", *bus,
                    "simulate a servo bus instead of a servo board. The file bus.json in the folder "
                    "of the URDF (--robot-file) lists the servos (docs/howto/own-arm.md)")
-      ->check(CLI::IsMember({"feetech", "dynamixel"}))
+      ->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
   for (const char* option : {"--motor-file", "--motor", "--disc"})

@@ -145,11 +145,11 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
           "--view", options->view_deg,
           "for one picture or a folder of pictures, without --calibration: horizontal field of "
           "view of a pinhole camera, degrees")
-      ->check(between(1.0, 170.0))
+      ->check(between(1.0, 170.0, "degrees"))
       ->excludes(calibration)
       ->type_name("DEGREES");
   verb->add_option("--radius", options->radius_m, "radius of the ball, m")
-      ->check(between(0.005, 0.5))
+      ->check(between(0.005, 0.5, "m"))
       ->capture_default_str()
       ->type_name("M");
   verb->add_option("--nearest", options->nearest_m,
@@ -157,7 +157,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
                    "computation faster, because Kaz then searches fewer disparities. The number of "
                    "disparities is a multiple of 16. With Kaz's eyes, the largest valid value is "
                    "0.476 m, or 0.953 m for pictures 640 px wide")
-      ->check(between(0.001, 100.0))
+      ->check(between(0.001, 100.0, "m"))
       ->default_str("0.14")
       ->type_name("M");
   verb->add_option("--export", options->exported,

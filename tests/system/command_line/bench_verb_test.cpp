@@ -152,7 +152,7 @@ TEST(BenchVerb, ErrorsSayWhatToDo) {
       {{"motor", "--port", folder / "none", "--allow-motion"}, 3, "none"},
       {{"motor", "--motor", "v8", "--mcu", "native"}, 2, "v8"},
       {{"fit", folder / "none"}, 2, "cannot be read (No such file or directory)"},
-      {{"link", "--mcu", "native", "--port", "x"}, 2, "not both"},
+      {{"link", "--mcu", "native", "--port", "x"}, 2, "--robot"},
       {{"motor", "--motor-file", "x", "--port", "x"}, 2, "--motor-file"},
   };
   for (const auto& one : cases) {
