@@ -21,36 +21,37 @@ namespace fs = std::filesystem;
 
 namespace {
 
-int terminal_columns() {
+int terminal_columns(int fd, int if_unknown) {
   winsize size{};
-  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  const bool known = ::isatty(fd) == 1 && ::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : if_unknown;
+}
+
+// One line, broken at spaces beyond column `indent`. Further lines begin with `indent` spaces.
+std::string wrapped(std::string line, std::size_t width, std::size_t indent) {
+  std::string text;
+  while (width > 0 && line.size() > width) {
+    std::size_t space = line.rfind(' ', width);
+    if (space == std::string::npos || space <= indent) space = line.find(' ', indent + 1);
+    if (space == std::string::npos) break;
+    text += line.substr(0, line.find_last_not_of(' ', space) + 1) + "\n";
+    line = std::string(indent, ' ') + line.substr(space + 1);
+  }
+  return text + line + "\n";
 }
 
 }  // namespace
 
 std::string list_row(const std::string& columns, const std::string& text, std::size_t width) {
-  if (width == 0 || columns.size() + text.size() <= width) return columns + text + "\n";
   constexpr std::size_t kLeast = 30, kIndent = 6;
-  const bool beside = columns.size() + kLeast <= width;
-  const std::size_t indent = beside ? columns.size() : kIndent;
-  std::string row = beside ? columns : columns.substr(0, columns.find_last_not_of(' ') + 1) + "\n";
-  std::string_view left = text;
-  for (bool first = beside; !left.empty(); first = false) {
-    const std::size_t room = width > indent ? width - indent : 1;
-    std::size_t end = left.size() <= room ? left.size() : left.rfind(' ', room);
-    if (end == std::string_view::npos || end == 0) end = std::min(left.find(' '), left.size());
-    row += first ? "" : std::string(indent, ' ');
-    row += left.substr(0, end);
-    row += "\n";
-    left.remove_prefix(std::min(left.size(), end + 1));
-  }
-  return row;
+  if (width == 0 || columns.size() + std::min(text.size(), kLeast) <= width)
+    return wrapped(columns + text, width, columns.size());
+  return columns.substr(0, columns.find_last_not_of(' ') + 1) + "\n" +
+         wrapped(std::string(kIndent, ' ') + text, width, kIndent);
 }
 
 std::size_t list_width() {
-  winsize size{};
-  const bool known = ::isatty(STDOUT_FILENO) == 1 && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
-  return known ? size.ws_col : 0;
+  return static_cast<std::size_t>(terminal_columns(STDOUT_FILENO, 0));
 }
 
 std::string broken_lines(const std::string& text, std::size_t width) {
@@ -58,15 +59,9 @@ std::string broken_lines(const std::string& text, std::size_t width) {
   std::string broken;
   for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
     end = std::min(text.find('\n', at), text.size());
-    std::string line = text.substr(at, end - at);
+    const std::string line = text.substr(at, end - at);
     const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
-    while (width > 0 && line.size() > width) {
-      const std::size_t space = line.rfind(' ', width);
-      if (space == std::string::npos || space <= first + kDeeper) break;  // one long word
-      broken += line.substr(0, line.find_last_not_of(' ', space) + 1) + "\n";
-      line = std::string(first + kDeeper, ' ') + line.substr(space + 1);
-    }
-    broken += line + "\n";
+    broken += wrapped(line, width, first + kDeeper);
   }
   return broken;
 }
@@ -93,24 +88,31 @@ Progress::~Progress() {
   done();
 }
 
+// Counts the call as a drawing if it is none too soon.
+bool Progress::draws_now() {
+  const auto now = std::chrono::steady_clock::now();
+  if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return false;
+  last_draw_ = now;
+  line_open_ = true;
+  return true;
+}
+
 void Progress::update(double share, const std::string& note) {
   if (quiet_) return;
   share = std::clamp(share, 0.0, 1.0);
-  const auto now = std::chrono::steady_clock::now();
   if (terminal_) {
-    if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
-    last_draw_ = now;
+    if (!draws_now()) return;
     // Label, bar, share, note: a line that wrapped could not be drawn over.
-    const int room = terminal_columns() - 1 - static_cast<int>(label_.size()) - 11;
+    const int room = terminal_columns(STDERR_FILENO, 80) - 1 - static_cast<int>(label_.size()) - 11;
     const int bar = std::clamp(room / 2, 4, 30), left = std::clamp(room - bar, 0, 36);
     const int filled = static_cast<int>(share * bar);
     std::fprintf(stderr, "\r%s [%s%s] %3d %%  %.*s\033[K", label_.c_str(),
                  std::string(static_cast<std::size_t>(filled), '#').c_str(),
                  std::string(static_cast<std::size_t>(bar - filled), '.').c_str(),
                  static_cast<int>(share * 100), left, note.c_str());
-    line_open_ = true;
     return;
   }
+  const auto now = std::chrono::steady_clock::now();
   const int decile = static_cast<int>(share * 10);
   const bool next = decile != last_decile_;
   if (!next && now - last_draw_ < longest_silence_) return;
@@ -123,18 +125,13 @@ void Progress::update(double share, const std::string& note) {
 
 void Progress::show(double at_s, const std::string& phase) {
   if (quiet_) return;
-  if (terminal_) {
-    const auto now = std::chrono::steady_clock::now();
-    if (line_open_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
-    last_draw_ = now;
-    const int room = terminal_columns() - 1 - static_cast<int>(label_.size()) - 14;
+  if (!terminal_) {
+    if (at_s >= shown_s_ + 10) announce(at_s, phase);
+  } else if (draws_now()) {
+    const int room = terminal_columns(STDERR_FILENO, 80) - 1 - static_cast<int>(label_.size()) - 14;
     std::fprintf(stderr, "\r%s: %.1f s: %.*s\033[K", label_.c_str(), at_s, std::clamp(room, 0, 36),
                  phase.c_str());
-    line_open_ = true;
-    return;
   }
-  if (at_s < shown_s_ + 10) return;
-  announce(at_s, phase);
 }
 
 void Progress::announce(double at_s, const std::string& phase) {
@@ -167,49 +164,31 @@ void print_json(const nlohmann::ordered_json& value) {
 
 namespace {
 
-// Made when the first name is requested. Kept if a run leaves files in it (the last frames of a lost
-// link), else removed at exit.
-class PrivateFolder {
- public:
+// Made when the first name is requested. Kept if a run leaves files in it (the last frames of a lost link),
+// else removed at exit.
+struct PrivateFolder {
+  std::string path;
   PrivateFolder() {
     auto made = make_temporary_folder("kaz-");
     if (!made) throw std::runtime_error(made.error().message);
-    path_ = std::move(*made);
+    path = std::move(*made);
   }
-  ~PrivateFolder() { ::rmdir(path_.c_str()); }
+  ~PrivateFolder() { ::rmdir(path.c_str()); }
   PrivateFolder(const PrivateFolder&) = delete;
   PrivateFolder& operator=(const PrivateFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
 };
-
-std::atomic<bool> g_private_folder_made{false};
-
-const PrivateFolder& private_folder() {
-  static const PrivateFolder folder;
-  g_private_folder_made = true;
-  return folder;
-}
 
 }  // namespace
 
 std::string temporary_file(const std::string& name) {
-  return private_folder().path() + "/" + name;
-}
-
-void remove_temporary_folder() {
-  if (g_private_folder_made) ::rmdir(private_folder().path().c_str());
+  static const PrivateFolder folder;
+  return folder.path + "/" + name;
 }
 
 Result<void> put_in_place(const std::string& part, const std::string& path) {
-  const int fd = ::open(part.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool done = fd >= 0 && sync_file(fd) && move_into_place(part, path);
-  const int error = errno;
-  if (fd >= 0) ::close(fd);
-  if (done) return {};
-  return write_failure(path, "move the file into place", error);
+  const Descriptor file(::open(part.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file && sync_file(file.get()) && move_into_place(part, path)) return {};
+  return write_failure(path, "move the file into place", errno);
 }
 
 FileRemover::~FileRemover() {

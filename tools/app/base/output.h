@@ -34,6 +34,8 @@ class Progress {
   void done();
 
  private:
+  bool draws_now();
+
   std::string label_;
   bool quiet_;
   bool terminal_;
@@ -67,9 +69,6 @@ bool json_printed();
 // Returns a path in a folder that only this process uses. The folder is removed at exit if the folder is
 // empty then. Throws std::runtime_error if the folder cannot be created.
 std::string temporary_file(const std::string& name);
-// Removes the folder of temporary_file() if the folder is empty. A process that ends without running its
-// destructors must call this function.
-void remove_temporary_folder();
 
 // Flushes the complete file `part` to disk and renames it to `path`.
 Result<void> put_in_place(const std::string& part, const std::string& path);
