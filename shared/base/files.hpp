@@ -30,18 +30,26 @@ inline bool lacks_space(int error) {
 }
 
 // Returns the error for a failed write to `path`. `what` is the operation, `error` the errno value.
-// is_disk_full() recognizes the error of a full disk by the start of the message.
 inline tl::unexpected<Error> write_failure(const std::string& path, const std::string& what,
                                            int error) {
   if (lacks_space(error))
-    return fail(Fault::environment,
-                "disk full while writing " + path + " (" + std::strerror(error) + ")");
+    return tl::unexpected(
+        Error{Fault::environment,
+              "disk full while writing " + path + " (" + std::strerror(error) + ")", true});
   return fail(Fault::environment,
               path + ": cannot " + what + " (" + std::strerror(error) +
                   "): check the folder's existence, permissions and free space");
 }
-inline bool is_disk_full(const Error& error) {
-  return error.message.starts_with("disk full while writing ");
+
+// Writes all bytes. Returns false and sets errno on failure.
+inline bool write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
 }
 
 // Flushes a file to disk. Some file systems report a full disk only when a file is flushed. Returns false and
@@ -158,17 +166,7 @@ inline Result<void> write_whole_file(const std::string& path, std::string_view b
     if (!stream) unlink(beside.c_str());
     return cannot(what, error);
   };
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      auto failure = give_up("write");
-      close(fd);
-      return failure;
-    }
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  if (!stream && !sync_file(fd)) {
+  if (!write_all(fd, bytes) || (!stream && !sync_file(fd))) {
     auto failure = give_up("write");
     close(fd);
     return failure;

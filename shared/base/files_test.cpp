@@ -78,7 +78,7 @@ TEST_F(Files, DevicesTakeTheBytes) {
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().fault, Fault::environment);
   EXPECT_NE(full.error().message.find("/dev/full"), std::string::npos);
-  EXPECT_TRUE(is_disk_full(full.error())) << full.error().message;
+  EXPECT_TRUE(full.error().disk_full) << full.error().message;
 }
 
 TEST_F(Files, SayWhereTheyCannotBe) {

@@ -24,6 +24,7 @@ enum class Fault {
 struct Error {
   Fault fault = Fault::environment;
   std::string message;
+  bool disk_full = false;
 };
 
 template <class T>

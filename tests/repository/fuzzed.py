@@ -34,7 +34,7 @@ SCRIPTS = re.compile(r"/page/src/.*\.[jt]s$|^python/(?!benchmark/|setup\.py).*\.
 HARMLESS_HEADERS = """
   algorithm any array asm/termbits.h atomic benchmark/benchmark.h bit bitset cairo.h cctype cerrno
   charconv chrono climits clocale cmath complex concepts condition_variable csetjmp csignal cstdarg
-  cstddef cstdint cstdio cstdlib cstring ctime cxxabi.h deque dlfcn.h elf.h
+  cstddef cstdint cstdio cstdlib cstring ctime cxxabi.h deque dlfcn.h elf.h fnmatch.h
   exception execinfo.h fcntl.h filesystem fstream functional future grp.h immintrin.h initializer_list
   iomanip iostream iterator limits limits.h list map memory mutex net/if.h net/if_arp.h netinet/in.h
   netinet/tcp.h new nlohmann/json.hpp nlohmann/json_fwd.hpp numbers numeric ode/ode.h openssl/evp.h

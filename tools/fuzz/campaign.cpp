@@ -25,7 +25,6 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
-#include "tools/app/base/output_list.h"
 #include "tools/app/base/paths.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/base/suggestion.h"
@@ -38,7 +37,6 @@ namespace {
 
 using hil::fuzz::Genome;
 using hil::fuzz::Verdict;
-constexpr FileKind kFailingCase{"failing case"};
 
 using WallTime = std::chrono::steady_clock;
 
@@ -175,7 +173,7 @@ class Fuzzing {
   Result<bool> run_cases() {
     // Not only when there is something to keep.
     if (arguments_.replay.empty())
-      out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out", kFailingCase));
+      out_ = KAZ_TRY(OutputFile::open(arguments_.out, "--out", Existing::keep));
     Genome replayed;
     if (!arguments_.replay.empty()) replayed = KAZ_TRY(replayed_case());
     KAZ_TRY(prepare());
@@ -301,7 +299,7 @@ class Fuzzing {
     if (error)
       return fail(Fault::usage, "--corpus " + arguments_.corpus + " cannot be created: " +
                                     error.message() + "; give a writable folder");
-    if (std::filesystem::exists(arguments_.corpus + "/" + std::string(kOutputListName), error))
+    if (std::filesystem::exists(arguments_.corpus + "/" + kResultsMark, error))
       return fail(Fault::usage, "--corpus " + arguments_.corpus +
                                     ": a folder of results, which contains no cases; give another "
                                     "folder");

@@ -130,8 +130,9 @@ int parse_and_run(int argc, char** argv) {
     return refuse(empty);
   const kaz::Result<kaz::tools::Outcome> done = action();
   if (!done) {
-    report_json(kaz::tools::chosen_verb(program), done.error());
-    return report(name, done.error());
+    const kaz::Error error = kaz::tools::with_saved_files(done.error());
+    report_json(kaz::tools::chosen_verb(program), error);
+    return report(name, error);
   }
   return done->status;
 }

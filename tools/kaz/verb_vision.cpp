@@ -19,8 +19,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr FileKind kThresholds{"file of thresholds", {"\"hue_min\": ", "\"hue_max\": "}};
-
 struct LearnArguments {
   std::string in, region, out;
   bool json = false;
@@ -39,7 +37,7 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
 
 Result<Outcome> learn(const LearnArguments& arguments) {
   const auto region = KAZ_TRY(parse_region(arguments.region));
-  auto out = KAZ_TRY(OutputFile::open(arguments.out, "--out", kThresholds));
+  auto out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
   const auto image = KAZ_TRY(vision::read_picture(arguments.in));
   const auto learned = vision::learn_color(image, region);
   if (!learned) return fail(learned.error().fault, arguments.in + ": " + learned.error().message);

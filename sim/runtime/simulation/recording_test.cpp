@@ -237,7 +237,7 @@ TEST(McapWriter, NamesAFullDisk) {
   (*writer)->add_message(channel, 1, std::vector<std::uint8_t>(McapWriter::chunk_bytes));
   const auto finished = (*writer)->finish();
   ASSERT_FALSE(finished);
-  EXPECT_TRUE(is_disk_full(finished.error())) << finished.error().message;
+  EXPECT_TRUE(finished.error().disk_full) << finished.error().message;
   EXPECT_NE(finished.error().message.find("/dev/full"), std::string::npos);
 }
 

@@ -28,7 +28,6 @@ char g_left_behind[1024] = "";
 std::atomic<bool> g_leaves_something{false};
 struct AtLast {
   char path[PATH_MAX];
-  bool grows;
   std::atomic<bool> used;
 };
 std::array<AtLast, 16> g_files_at_last{};
@@ -53,8 +52,7 @@ void print(std::string_view text) {
 void remove_files_at_last() {
   for (const AtLast& file : g_files_at_last) {
     struct stat about {};
-    if (!file.used || (file.grows && ::stat(file.path, &about) == 0 && about.st_size > 0)) continue;
-    ::unlink(file.path);
+    if (file.used && ::stat(file.path, &about) == 0 && about.st_size == 0) ::unlink(file.path);
   }
 }
 
@@ -121,20 +119,15 @@ void does_at_last(Last last) {
   g_last = last;
 }
 
-int remove_file_at_last(const std::string& path) {
+int remove_empty_file_at_last(const std::string& path) {
   for (std::size_t i = 0; i < g_files_at_last.size(); ++i) {
     AtLast& file = g_files_at_last[i];
     if (file.used || path.size() >= sizeof file.path) continue;
     std::snprintf(file.path, sizeof file.path, "%s", path.c_str());
-    file.grows = false;
     file.used = true;
     return static_cast<int>(i);
   }
   return -1;
-}
-
-void keep_what_grows(int number) {
-  if (number >= 0) g_files_at_last[static_cast<std::size_t>(number)].grows = true;
 }
 
 void forget_file(int number) {

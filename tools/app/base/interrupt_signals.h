@@ -37,13 +37,10 @@ void leaves_behind(const std::string& sentence);
 // handler, so it may call only async-signal-safe functions. Only one thread may call does_at_last().
 void does_at_last(void (*last)() noexcept);
 
-// Makes an immediate exit remove the file at `path`, because the file contains no result yet. Returns a
-// number for keep_what_grows() and forget_file(), or -1 if the table is full or the path is too long. Both
-// functions accept -1. Only one thread may call remove_file_at_last() and these two functions.
-int remove_file_at_last(const std::string& path);
-// From now on, an immediate exit removes the file only if the file is empty, because partial content is
-// useful.
-void keep_what_grows(int number);
+// Makes an immediate exit remove the file at `path` if the file is empty then. Returns a number for
+// forget_file(), or -1 if the table is full or the path is too long. forget_file() accepts -1. Only one
+// thread may call these two functions.
+int remove_empty_file_at_last(const std::string& path);
 // From now on, an immediate exit does not remove the file.
 void forget_file(int number);
 

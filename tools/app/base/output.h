@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/base/result.hpp"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 

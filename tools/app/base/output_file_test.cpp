@@ -3,6 +3,7 @@
 #include "tools/app/base/output_file.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -24,8 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const FileKind kReport{"report", {"report of", "kaz"}};
-
 class File : public testing::Test {
  protected:
   File() : folder_(make_temporary_folder("kaz-file-").value()) {}
@@ -34,7 +33,7 @@ class File : public testing::Test {
     fs::remove_all(folder_, error);
   }
   Result<OutputFile> open(const std::string& name) const {
-    return OutputFile::open(at(name), "--json", kReport);
+    return OutputFile::open(at(name), "--json");
   }
   std::string at(const std::string& name) const { return folder_ + "/" + name; }
   std::string read(const std::string& name) const {
@@ -49,12 +48,12 @@ class File : public testing::Test {
 };
 
 TEST_F(File, StandsAtItsPlaceOnlyWhenItIsWhole) {
-  std::ofstream(at("r.json")) << "old report of kaz";
+  std::ofstream(at("r.json")) << "old";
   auto file = open("r.json");
   ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(read("r.json"), "old report of kaz");
+  EXPECT_EQ(read("r.json"), "old");
   std::ofstream(file->part()) << "new";
-  EXPECT_EQ(read("r.json"), "old report of kaz");
+  EXPECT_EQ(read("r.json"), "old");
   ASSERT_TRUE(file->commit());
   EXPECT_EQ(read("r.json"), "new");
   EXPECT_EQ(files(), 1u);
@@ -66,10 +65,9 @@ TEST_F(File, LeavesNoEmptyFileWhereASignalEndsTheProgramAtOnce) {
   if (child == 0) {
     InterruptSignals::forget_earlier();
     catch_signals();
-    const auto waits = open("waits.json"), empty = open("empty.json"), grows = open("grows.json");
+    const auto empty = open("empty.json"), grows = open("grows.json");
     auto done = open("done.json");
-    if (!waits || !empty || !grows || !done || !done->write("all")) ::_exit(1);
-    (void)empty->part();
+    if (!empty || !grows || !done || !done->write("all")) ::_exit(1);
     std::ofstream(grows->part()) << "a first part" << std::flush;
     ::raise(SIGINT);
     ::_exit(2);
@@ -97,7 +95,7 @@ TEST_F(File, LeavesNothingWithoutCommit) {
 TEST_F(File, IsRefusedWhereItCannotBeCreated) {
   for (const std::string& path :
        {at("none/r.json"), std::string("/proc/r.json"), folder_, std::string()}) {
-    const auto file = OutputFile::open(path, "--junit", kReport);
+    const auto file = OutputFile::open(path, "--junit");
     ASSERT_FALSE(file) << path;
     EXPECT_EQ(file.error().fault, Fault::usage);
     EXPECT_EQ(file.error().message.find("--junit: '" + path + "'"), 0u) << file.error().message;
@@ -105,7 +103,7 @@ TEST_F(File, IsRefusedWhereItCannotBeCreated) {
 }
 
 TEST_F(File, TakesThePlaceOfAKilledRunsPart) {
-  std::ofstream(at("r.json.part")) << "half of a report of kaz";
+  std::ofstream(at("r.json.part")) << "half";
   auto file = open("r.json");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(read("r.json.part"), "");
@@ -117,6 +115,12 @@ TEST_F(File, DoesNotFollowALinkInThePlaceOfItsPart) {
   std::ofstream(at("mine")) << "mine";
   fs::create_symlink(at("mine"), at("r.json.part"));
   EXPECT_FALSE(open("r.json"));
+  EXPECT_EQ(read("mine"), "mine");
+  fs::remove(at("r.json.part"));
+  fs::create_hard_link(at("mine"), at("r.json.part"));
+  auto file = open("r.json");
+  ASSERT_TRUE(file) << file.error().message;
+  ASSERT_TRUE(file->write("x"));
   EXPECT_EQ(read("mine"), "mine");
 }
 
@@ -145,41 +149,27 @@ TEST_F(File, IsOfOneProcessAtATime) {
   EXPECT_TRUE(open("r.vcd"));
 }
 
-// What an earlier run wrote goes, and nothing else: neither a file nor one beside it.
-TEST_F(File, ReplacesOnlyFilesOfItsKind) {
-  const FileKind by_size{"memory", {}, 5}, never{"content of a flash"};
-  const struct {
-    const char* there;
-    const FileKind& kind;
-    bool replaced;
-  } cases[] = {{"a report of kaz 1", kReport, true},
-               {"", kReport, true},
-               {"a report of others", kReport, false},
-               {"notes", by_size, true},
-               {"note", by_size, false},
-               {"", never, true},
-               {"a report of kaz 1", never, false}};
-  for (const auto& one : cases) {
-    for (const char* name : {"r.json", "r.json.part"}) {
-      std::ofstream(at(name)) << one.there;
-      {
-        const auto file = OutputFile::open(at("r.json"), "--json", one.kind);
-        EXPECT_EQ(file.has_value(), one.replaced) << one.there << ", " << one.kind.name;
-        if (!file) {
-          EXPECT_EQ(file.error().fault, Fault::usage);
-          EXPECT_NE(file.error().message.find("exists"), std::string::npos) << file.error().message;
-          EXPECT_EQ(read(name), one.there);
-        }
-      }
-      fs::remove(at(name));
-    }
-  }
+TEST_F(File, ReplacesAFileUnlessItIsToBeKept) {
+  const auto reopened = [this](Existing existing) {
+    return OutputFile::open(at("r.json"), "--json", existing).has_value();
+  };
+  EXPECT_TRUE(reopened(Existing::keep)) << "a new file";
+  std::ofstream(at("r.json")) << "";
+  EXPECT_TRUE(reopened(Existing::keep)) << "an empty file";
+  std::ofstream(at("r.json")) << "mine";
+  EXPECT_TRUE(reopened(Existing::replace));
+  EXPECT_EQ(read("r.json"), "mine") << "not before the new file is complete";
+  const auto kept = OutputFile::open(at("r.json"), "--json", Existing::keep);
+  ASSERT_FALSE(kept);
+  EXPECT_EQ(kept.error().fault, Fault::usage);
+  EXPECT_EQ(read("r.json"), "mine");
+  EXPECT_EQ(files(), 1u);
 }
 
 TEST_F(File, OfTwoOptionsIsRefused) {
   const auto first = open("r.json");
   fs::create_symlink(".", at("here"));
-  const auto second = OutputFile::open(at("here/r.json"), "--junit", kReport);
+  const auto second = OutputFile::open(at("here/r.json"), "--junit");
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("another option"), std::string::npos)
       << second.error().message;
@@ -211,28 +201,42 @@ TEST_F(File, APipeIsWrittenWhereItIsRead) {
 }
 
 TEST_F(File, ADeviceTakesTheBytesItself) {
-  auto sink = OutputFile::open("/dev/null", "--json", kReport);
+  auto sink = OutputFile::open("/dev/null", "--json");
   ASSERT_TRUE(sink) << sink.error().message;
   EXPECT_TRUE(sink->write("x"));
-  auto full = OutputFile::open("/dev/full", "--json", kReport);
+  auto full = OutputFile::open("/dev/full", "--json");
   ASSERT_TRUE(full) << full.error().message;
   const auto written = full->write("x");
   ASSERT_FALSE(written);
-  EXPECT_TRUE(is_disk_full(written.error())) << written.error().message;
+  EXPECT_TRUE(written.error().disk_full) << written.error().message;
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
-TEST_F(File, LooksForRoomBeforeSomethingLongBegins) {
-  auto file = open("r.json");
-  ASSERT_TRUE(file) << file.error().message;
+// A limit of size is met as a full disk is.
+TEST_F(File, AFullDiskIsAnErrorThatNamesWhatIsSaved) {
+  auto done = open("done.json"), file = open("r.json");
+  ASSERT_TRUE(done && file && done->write("all"));
   EXPECT_TRUE(file->check_room(1 << 17));
-  const auto none = file->check_room(std::uint64_t{1} << 50);  // more than a disk has
-  if (none) GTEST_SKIP() << "this file system does not say how much room it has";
-  EXPECT_EQ(none.error().fault, Fault::environment);
-  EXPECT_TRUE(is_disk_full(none.error())) << none.error().message;
-  ASSERT_TRUE(file->write("report of kaz"));
-  EXPECT_EQ(read("r.json"), "report of kaz");
-  EXPECT_TRUE(OutputFile::open("/dev/null", "--json", kReport)->check_room(1 << 17));
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 8192;
+  setrlimit(RLIMIT_FSIZE, &small);
+  const auto room = file->check_room(1 << 17);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(room);
+  EXPECT_EQ(room.error().fault, Fault::environment);
+  EXPECT_TRUE(room.error().disk_full);
+  const std::string message = with_saved_files(room.error()).message;
+  EXPECT_NE(message.find(at("r.json")), std::string::npos) << message;
+  EXPECT_NE(message.find(at("done.json")), std::string::npos) << message;
+  ASSERT_TRUE(file->write("all"));
+  EXPECT_EQ(read("r.json"), "all") << "the test has left bytes";
+  EXPECT_TRUE(OutputFile::open("/dev/null", "--json")->check_room(1 << 17));
+  const Error other{Fault::failed, "other"};
+  EXPECT_EQ(with_saved_files(other).message, "other");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Folders of results: locked, checked before a run, results of two runs never mixed.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/base/output_folder.h"
 #include "shared/base/json_testing.h"
 
 #include <sys/resource.h>
@@ -12,9 +11,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "tools/app/base/other_process_testing.h"
-#include "tools/app/base/output_list.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 namespace {
@@ -50,7 +50,6 @@ class Folder : public testing::Test {
     const auto folder = OutputFolder::begin(folder_, kRun);
     ASSERT_TRUE(folder) << folder.error().message;
     ASSERT_TRUE(folder->write("result.json", "old"));
-    ASSERT_TRUE(folder->add("7.vision.png"));
     ASSERT_TRUE(folder->write("7.vision.png", "old"));
   }
   std::string refusal(const OutputKind& kind, Fault fault = Fault::usage) const {
@@ -63,7 +62,7 @@ class Folder : public testing::Test {
   std::string folder_;
 };
 
-TEST_F(Folder, ClearsListedResultsAndKeepsTheRest) {
+TEST_F(Folder, ClearsResultsAndKeepsTheRest) {
   earlier_run();
   write("notes.txt", "mine");
   const auto folder = OutputFolder::open(folder_, kRun);
@@ -73,7 +72,7 @@ TEST_F(Folder, ClearsListedResultsAndKeepsTheRest) {
   EXPECT_EQ(names(), (std::set<std::string>{".kaz-results", "notes.txt"}));
 }
 
-TEST_F(Folder, RefusesFilesThatNoListNames) {
+TEST_F(Folder, RefusesFilesThatNoMarkExplains) {
   write("moments.png", "mine");
   EXPECT_NE(refusal(kRun).find("'moments.png'"), std::string::npos) << refusal(kRun);
   fs::rename(at("moments.png"), at("1.vision.png"));
@@ -85,8 +84,9 @@ TEST_F(Folder, RefusesFilesThatNoListNames) {
 
 TEST_F(Folder, RefusesResultsOfAnotherKind) {
   earlier_run();
-  EXPECT_NE(refusal(kBench).find("results of kaz run"), std::string::npos) << refusal(kBench);
+  EXPECT_NE(refusal(kBench).find("kaz run"), std::string::npos) << refusal(kBench);
   EXPECT_EQ(read("result.json"), "old");
+  EXPECT_EQ(refusal(kRun), "accepted") << "the refused run has changed the mark";
   fs::remove(at("result.json"));
   fs::remove(at("7.vision.png"));
   EXPECT_EQ(refusal(kBench), "accepted");
@@ -138,24 +138,20 @@ TEST_F(Folder, TemporaryFilesOfAKilledRunGo) {
                                             "result.json"}));
 }
 
-// Of a list that its run could not finish the last line is missing.
-TEST_F(Folder, AListThatWasCutOffIsRead) {
-  earlier_run();
-  { std::ofstream(at(".kaz-results"), std::ios::app) << "file 8.visi"; }
-  {
-    const auto folder = OutputFolder::open(folder_, kRun);
-    ASSERT_TRUE(folder) << folder.error().message;
-    ASSERT_TRUE(folder->add("9.vision.png"));
-  }
-  const auto list = parse_output_list(read(".kaz-results"), "list");
-  ASSERT_TRUE(list) << list.error().message;
-  EXPECT_TRUE(list->names.contains("9.vision.png"));
+TEST_F(Folder, AMarkOfAnEarlierVersionIsRead) {
+  write("result.json", "old");
+  write(".kaz-results", "kaz-results 1\nkind run\nprocess 7\nfile result.json\nfile a.p");
+  EXPECT_NE(refusal(kBench), "accepted");
+  ASSERT_TRUE(OutputFolder::begin(folder_, kRun));
+  EXPECT_TRUE(names().empty());
 }
 
-TEST_F(Folder, AListThatIsNoneOrALinkIsRefused) {
-  write(".kaz-results", "something else\n");
-  EXPECT_NE(refusal(kRun).find("line 1"), std::string::npos);
-  EXPECT_EQ(read(".kaz-results"), "something else\n");
+TEST_F(Folder, AMarkThatIsNotOursIsRefusedAndStays) {
+  for (const char* text : {"something else\n", "kaz-results 2\nkind run\n"}) {
+    write(".kaz-results", text);
+    EXPECT_NE(refusal(kRun), "accepted") << text;
+    EXPECT_EQ(read(".kaz-results"), text);
+  }
   fs::remove(at(".kaz-results"));
   write("mine", "");
   fs::create_symlink(at("mine"), at(".kaz-results"));
@@ -163,38 +159,18 @@ TEST_F(Folder, AListThatIsNoneOrALinkIsRefused) {
   EXPECT_EQ(read("mine"), "");
 }
 
-// Of another version, or with names of other folders: neither read nor followed.
-TEST_F(Folder, AListThatIsNotOursRemovesNothing) {
-  const std::string outside = folder_ + "-mine";
-  std::ofstream(outside) << "mine";
-  const std::string name = fs::path(outside).filename().string();
-  for (const std::string& list : {std::string("kaz-results 2\nkind run\nfile x\n"),
-                                  "kaz-results 1\nkind run\nfile ../" + name + "\n",
-                                  "kaz-results 1\nkind run\nfile " + outside + "\n"}) {
-    write(".kaz-results", list);
-    EXPECT_NE(refusal(kRun), "accepted") << list;
-    EXPECT_EQ(read(".kaz-results"), list);
-  }
-  // A listed link goes itself; a listed folder is no result.
-  fs::create_symlink(outside, at("result.json"));
-  write(".kaz-results", "kaz-results 1\nkind run\nfile result.json\n");
-  EXPECT_TRUE(OutputFolder::begin(folder_, kRun));
+TEST_F(Folder, ALinkGoesItselfAndAFolderStays) {
+  earlier_run();
+  write("mine", "mine");
+  fs::remove(at("result.json"));
+  fs::create_symlink(at("mine"), at("result.json"));
+  ASSERT_TRUE(OutputFolder::begin(folder_, kRun));
   EXPECT_FALSE(fs::is_symlink(at("result.json")));
+  EXPECT_EQ(read("mine"), "mine");
+  earlier_run();
   fs::create_directories(at("moments.png/mine"));
-  write(".kaz-results", "kaz-results 1\nkind run\nfile moments.png\n");
   EXPECT_FALSE(OutputFolder::begin(folder_, kRun));
   EXPECT_TRUE(fs::exists(at("moments.png/mine")));
-  EXPECT_TRUE(fs::exists(outside));
-  fs::remove(outside);
-}
-
-TEST_F(Folder, NamesAreOfTheFolderItself) {
-  const auto folder = OutputFolder::begin(folder_, kRun);
-  ASSERT_TRUE(folder);
-  for (const char* name : {"", "..", "a/b", "a\nb", ".kaz-results"})
-    EXPECT_FALSE(folder->add(name)) << name;
-  write("mine.png", "mine");
-  EXPECT_FALSE(folder->add("mine.png"));
 }
 
 // A limit of size is met as a full disk is.
@@ -208,39 +184,16 @@ TEST_F(Folder, AFullDiskIsNamedWithWhatIsSaved) {
   rlimit small = before;
   small.rlim_cur = 8192;
   setrlimit(RLIMIT_FSIZE, &small);
-  const auto written = folder->explained(folder->write("result.json", std::string(10'000, 'x')));
+  const auto written = folder->write("result.json", std::string(10'000, 'x'));
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().fault, Fault::environment);
-  EXPECT_EQ(written.error().message.find("disk full while writing " + at("result.json")), 0u)
-      << written.error().message;
-  EXPECT_NE(written.error().message.find("saved so far in '" + folder_ + "': moments.png"),
-            std::string::npos)
-      << written.error().message;
+  EXPECT_TRUE(written.error().disk_full);
+  const std::string message = with_saved_files(written.error()).message;
+  EXPECT_NE(message.find(at("result.json")), std::string::npos) << message;
+  EXPECT_NE(message.find(at("moments.png")), std::string::npos) << message;
   EXPECT_EQ(names(), (std::set<std::string>{".kaz-results", "moments.png"}));
-}
-
-TEST(OutputList, IsReadBackAsItWasWritten) {
-  const OutputList list{"bench fit", 12, {"a", "b c.png", "result.json"}};
-  const auto read = parse_output_list(output_list_text(list), "list");
-  ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(*read, list);
-  EXPECT_EQ(parse_output_list("", "list").value(), OutputList{});
-}
-
-TEST(OutputList, RefusesWhatIsNoListOfThisFolder) {
-  for (const char* line : {"file ../x", "file ..", "file /etc/passwd", "file ", "file .kaz-results",
-                           "kind Run", "kind run", "process -1", "process 1x", "x"}) {
-    const auto list =
-        parse_output_list("kaz-results 1\nkind run\n" + std::string(line) + "\n", "here/list");
-    ASSERT_FALSE(list) << line;
-    EXPECT_EQ(list.error().fault, Fault::usage);
-    EXPECT_NE(list.error().message.find("here/list: line 3"), std::string::npos)
-        << list.error().message;
-  }
-  EXPECT_FALSE(parse_output_list("kaz-results 1\nfile a\n", "list"));
-  EXPECT_FALSE(parse_output_list(std::string(kMaxOutputListBytes + 1, '\n'), "list"));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ struct BenchFolder {
 
   static Result<BenchFolder> open(const std::string& path, const OutputKind& kind) {
     auto reports = KAZ_TRY(OutputFolder::open(path, kind));
-    auto plots = KAZ_TRY(OutputFolder::open(reports.path("plots"), {kind.name, {"*.svg"}}));
+    auto plots = KAZ_TRY(OutputFolder::open(reports.path("plots"), {kind.name, {"*-*.svg"}}));
     return BenchFolder{std::move(reports), std::move(plots)};
   }
   Result<void> clear() const {
@@ -216,7 +216,6 @@ Result<void> leave_plots(const BenchFolder& folder, const std::vector<hil::Plot>
   for (const hil::Plot& plot : plots) {
     if (!has_points(plot)) continue;
     const std::string name = plot.subject + "-" + plot.id + ".svg";
-    KAZ_TRY(folder.plots.add(name));
     KAZ_TRY(folder.plots.write(name, plot::plot_svg(hil::plot_page(plot))));
   }
   return {};
@@ -370,17 +369,16 @@ Result<Outcome> run_bench(const BenchOptions& given) {
   const Result<void> left = together(kept ? kept->end() : Result<void>(), freed);
   if (!ran) report.interrupted = ran.error().message;
   if (interrupted) report.signal = received_signal_name();
-  const auto reported = folder.reports.explained(leave_reports(folder, report));
+  const auto reported = leave_reports(folder, report);
   // Also where the disk is full, or the run did not come to its end.
   if (arguments.json) std::fputs(hil::bench_json(report).c_str(), stdout);
   KAZ_TRY(reported);
   if (!ran || !left) {
-    const Error error = together(ran, left).error();
-    const std::string results =
-        report.measurements.empty()
-            ? "; no measurement was completed"
-            : "; completed measurements are in " + folder.reports.path("report.html");
-    return tl::unexpected(Error{error.fault, error.message + results});
+    Error error = together(ran, left).error();
+    error.message += report.measurements.empty()
+                         ? "; no measurement was completed"
+                         : "; completed measurements are in " + folder.reports.path("report.html");
+    return tl::unexpected(error);
   }
   const int failed = report.count(hil::Verdict::failed);
   const int undecided = report.count(hil::Verdict::undecided);
@@ -437,7 +435,7 @@ Result<bool> run_fit(const BenchFitOptions& arguments) {
   progress.done();
   if (!fitted) return tl::unexpected(fitted.error());
   KAZ_TRY(folder.clear());
-  const auto result = KAZ_TRY(folder.reports.explained(leave_fit(folder, *fitted, path, report)));
+  const auto result = KAZ_TRY(leave_fit(folder, *fitted, path, report));
   if (arguments.json) {
     print_json(result);
   } else {

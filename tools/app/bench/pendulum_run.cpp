@@ -12,7 +12,7 @@
 #include "tools/app/base/arguments.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/base/prompt.h"
 #include "tools/app/base/provenance.h"
 
@@ -20,7 +20,7 @@ namespace kaz::tools {
 namespace {
 
 const OutputKind& pendulum_output() {
-  static const OutputKind kind{"bench pendulum", {"record.json", "*.csv"}};
+  static const OutputKind kind{"bench pendulum", {"record.json", "fit-p*.csv", "held-p*.csv"}};
   return kind;
 }
 
@@ -78,13 +78,10 @@ Result<bool> record_pendulum_logs(PendulumArguments arguments) {
   progress.done();
   const auto record = KAZ_TRY(recorded);
   const auto json = json_of(record, port.name());
-  const auto leave = [&]() -> Result<void> {
-    KAZ_TRY(folder.clear());
-    for (const hil::PendulumLog& one : record.logs)
-      KAZ_TRY(folder.write(one.name + ".csv", hil::servo_log_text(one.log)));
-    return folder.write_json("record.json", json);
-  };
-  KAZ_TRY(folder.explained(leave()));
+  KAZ_TRY(folder.clear());
+  for (const hil::PendulumLog& one : record.logs)
+    KAZ_TRY(folder.write(one.name + ".csv", hil::servo_log_text(one.log)));
+  KAZ_TRY(folder.write_json("record.json", json));
   if (arguments.json) {
     print_json(json);
     return true;

@@ -16,7 +16,7 @@
 #include "shared/plot/svg.h"
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/base/provenance.h"
 
 namespace kaz::tools {
@@ -220,7 +220,7 @@ Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
     KAZ_TRY(folder.write("report.html", html(report, best, plots)));
     return folder.write_json("result.json", result);
   };
-  const auto left = folder.explained(leave());
+  const auto left = leave();
   if (arguments.json)
     print_json(result);
   else

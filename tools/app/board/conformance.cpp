@@ -33,12 +33,6 @@ namespace {
 // How late a byte may be read or written through a port of this machine.
 constexpr Time kPortSlack = std::chrono::milliseconds(20);
 
-constexpr FileKind kList{"list of cases", {"\"statements\": [", "\"needs\": ["}};
-constexpr FileKind kJunit{"conformance report in JUnit XML",
-                          {"<testsuite name=\"kaz conformance\""}};
-constexpr FileKind kJson{"conformance report in JSON", {"\"board\": ", "\"program\": \"kaz "}};
-constexpr FileKind kHtml{"conformance report in HTML", {"<title>Kaz conformance: "}};
-
 std::vector<std::string> needs_of(const hil::Case& one) {
   std::vector<std::string> words;
   // A bus's cases have needs of their own.
@@ -78,7 +72,7 @@ Result<void> list_cases(const std::vector<const hil::Case*>& taken, const std::s
     return {};
   }
   if (!json.empty()) {
-    auto file = KAZ_TRY(OutputFile::open(json, "--json", kList));
+    auto file = KAZ_TRY(OutputFile::open(json, "--json"));
     return file.write(list_json(taken));
   }
   for (const hil::Case* one : taken) {
@@ -97,12 +91,12 @@ class Reports {
   static Result<Reports> open(const ConformanceOptions& arguments) {
     Reports reports;
     int on_output = 0;
-    for (const auto& [option, path, kind] : {std::tuple("--junit", &arguments.junit, &kJunit),
-                                             std::tuple("--json", &arguments.json, &kJson),
-                                             std::tuple("--html", &arguments.html, &kHtml)}) {
+    for (const auto& [option, path] :
+         {std::pair("--junit", &arguments.junit), std::pair("--json", &arguments.json),
+          std::pair("--html", &arguments.html)}) {
       if (*path == "-") ++on_output;
       std::optional<OutputFile> file;
-      if (!path->empty() && *path != "-") file = KAZ_TRY(OutputFile::open(*path, option, *kind));
+      if (!path->empty() && *path != "-") file = KAZ_TRY(OutputFile::open(*path, option));
       reports.all_.push_back({*path == "-", std::move(file)});
     }
     if (on_output > 1)

@@ -30,7 +30,6 @@ using host::BusJoint;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kVerb = "kaz bus record";
-constexpr FileKind kPoses{"pose file", {"\"kaz-poses-1\"", "\"poses\""}};
 constexpr Time kPeriod = std::chrono::milliseconds(20), kLost = std::chrono::seconds(2);
 constexpr double kMoved = 2 * kDegree;   // by which a motion begins and ends
 constexpr double kBeyond = 3 * kDegree;  // of its limits, where a stop gives way
@@ -55,7 +54,7 @@ class Recording {
 
   Result<Outcome> run() {
     const InterruptSignals signals(interrupt_);
-    auto file = KAZ_TRY(OutputFile::open(options_.out, "--out", kPoses));
+    auto file = KAZ_TRY(OutputFile::open(options_.out, "--out"));
     auto bus = KAZ_TRY(open_servo_bus(options_.backend, interrupt_));
     port_ = std::move(bus.port);
     joints_ = std::move(bus.joints);

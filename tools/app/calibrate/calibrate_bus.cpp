@@ -19,7 +19,6 @@
 #include "tools/app/base/interrupt_signals.h"
 #include "tools/app/base/output.h"
 #include "tools/app/base/output_file.h"
-#include "tools/app/base/output_folder.h"
 #include "tools/app/base/prompt.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/kept/kept_run.h"
@@ -47,7 +46,6 @@ constexpr double kWhole = 0.97;
 constexpr int kCountsTurns = 16;  // bit of `phase`
 // Steps by which a limp arm may sag while its EEPROM is written.
 constexpr double kSags = 40;
-constexpr FileKind kBusFile{"bus.json", {"\"protocol\"", "\"servos\""}};
 constexpr const char* kNobody =
     "writing to the servos needs somebody at the keyboard, or --yes for a script; nothing was "
     "written";
@@ -96,7 +94,7 @@ class BusCalibration {
     joints_ = std::move(bus.joints);
     text_ = KAZ_TRY(read_whole_file(path_, 1 << 20, "bus.json"));
     // Where it cannot be written is known before anybody turns anything.
-    if (options_.store) file_ = KAZ_TRY(OutputFile::open(path_, "--robot-file", kBusFile));
+    if (options_.store) file_ = KAZ_TRY(OutputFile::open(path_, "--robot-file"));
     driver_ = BusDriver::make(protocol_, *port_, clock_);
     KAZ_TRY(look());
     if (folder_) KAZ_TRY(folder_->clear());
@@ -107,7 +105,7 @@ class BusCalibration {
     for (const RangePlan& one : plans_) good = good && one.fault.empty();
     if (good && options_.store) KAZ_TRY(store());
     const Json result = json();
-    if (folder_) KAZ_TRY(folder_->explained(folder_->write_json("result.json", result)));
+    if (folder_) KAZ_TRY(folder_->write_json("result.json", result));
     if (options_.json) print_json(result);
     if (!good)
       std::fprintf(stderr, "%s: not all joints have a good range; nothing is written\n", kVerb);
@@ -344,8 +342,8 @@ class BusCalibration {
         return fail(Fault::environment,
                     done.error().message +
                         "; and the changes could not be undone: " + back.error().message);
-      return fail(done.error().fault,
-                  done.error().message + "; all changes are undone, nothing is written");
+      done.error().message += "; all changes are undone, nothing is written";
+      return done;
     }
     leaves_behind("");
     stored_ = true;

@@ -28,7 +28,6 @@ using Lines = std::array<host::JointCalibration, KZ_JOINTS>;
 
 constexpr const char* kVerb = "kaz calibrate joints";
 constexpr std::uint32_t kLegs = 0x3fc00;  // joints 10 to 17
-constexpr FileKind kMemory{"board memory", {}, sim::Mcu::memory_size};
 constexpr const char* kNobody =
     "moving a robot at a port needs somebody at the keyboard, or --yes for a script; nothing was "
     "moved";
@@ -152,7 +151,7 @@ class Calibration {
       std::error_code none;
       if (fs::exists(options_.memory, none) && fs::file_size(options_.memory, none) > 0)
         memory_ = KAZ_TRY(read_memory(options_.memory));
-      memory_file_ = KAZ_TRY(OutputFile::open(options_.memory, "--memory", kMemory));
+      memory_file_ = KAZ_TRY(OutputFile::open(options_.memory, "--memory"));
     }
     KAZ_TRY(open(report_.stops));
     if (folder_) KAZ_TRY(folder_->clear());
@@ -349,9 +348,9 @@ class Calibration {
 
   Result<void> write_report() {
     if (!folder_) return {};
-    KAZ_TRY(folder_->explained(folder_->write_json("result.json", joint_report_json(report_))));
+    KAZ_TRY(folder_->write_json("result.json", joint_report_json(report_)));
     if (!report_.solution) return {};
-    return folder_->explained(folder_->write("joints.svg", joint_report_svg(report_)));
+    return folder_->write("joints.svg", joint_report_svg(report_));
   }
 
   Result<Outcome> finish(const Result<void>& measured) {

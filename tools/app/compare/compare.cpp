@@ -12,7 +12,7 @@
 #include "shared/base/xml_text.hpp"
 #include "shared/plot/svg.h"
 #include "tools/app/base/output.h"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/base/provenance.h"
 #include "tools/app/compare/comparison.h"
 
@@ -56,7 +56,7 @@ Result<bool> compare_recordings(const CompareOptions& options) {
       KAZ_TRY(folder->write("report.html", page(comparison_text(comparison, a, b, true), plots)));
       return folder->write_json("result.json", json);
     };
-    KAZ_TRY(folder->explained(write()));
+    KAZ_TRY(write());
   }
   if (!options.json) {
     std::printf("%s", comparison_text(comparison, a, b, options.all, list_width()).c_str());

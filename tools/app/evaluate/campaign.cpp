@@ -347,8 +347,11 @@ Result<void> claim(const OutputFolder& folder, const Json& campaign) {
 
 // The summary will be a new one.
 Result<void> remove_summary(const OutputFolder& folder) {
-  for (const char* name : {"result.json", "report.html", "junit.xml"}) KAZ_TRY(folder.remove(name));
-  return folder.remove("episodes.csv");
+  for (const char* name : {"result.json", "report.html", "junit.xml", "episodes.csv"}) {
+    const std::string path = folder.path(name);
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) return write_failure(path, "remove", errno);
+  }
+  return {};
 }
 
 // The folder's report is of all episodes there, and none other may be there than what is asked for.
@@ -457,7 +460,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
                                   " episodes; give more --episodes or fewer parts");
   const auto folder = KAZ_TRY(open_campaign(options.out));
   const Json campaign = campaign_json(options);
-  KAZ_TRY(folder.explained(claim(folder, campaign)));
+  KAZ_TRY(claim(folder, campaign));
   auto episodes = KAZ_TRY(read_episodes(folder.folder()));
   KAZ_TRY(refuse_more(options, folder, episodes));
   KAZ_TRY(remove_summary(folder));
@@ -479,8 +482,7 @@ Result<bool> run_campaign(const CampaignOptions& options) {
       KAZ_TRY(summarize(campaign, episodes, runner.lost(), folder, options.json, extent));
     return tl::unexpected(ran.error());
   }
-  if (runner.lost().empty())
-    return folder.explained(summarize(campaign, episodes, {}, folder, options.json, extent));
+  if (runner.lost().empty()) return summarize(campaign, episodes, {}, folder, options.json, extent);
   // Of lost episodes alone there is nothing to summarize. What cannot be written then is the same trouble.
   if (!episodes.empty())
     (void)summarize(campaign, episodes, runner.lost(), folder, options.json, extent);
@@ -531,17 +533,17 @@ Result<Merge> read_parts(const std::vector<std::string>& folders) {
 
 Result<bool> write_merge(const Merge& merge, const std::vector<std::string>& folders,
                          const OutputFolder& folder, bool json) {
-  KAZ_TRY(folder.explained(claim(folder, merge.campaign)));
+  KAZ_TRY(claim(folder, merge.campaign));
   KAZ_TRY(refuse_others(folder, merge.episodes));
   KAZ_TRY(remove_summary(folder));
   for (const auto& [number, episode] : merge.episodes) {
-    KAZ_TRY(folder.explained(write_json(folder.path(episode_file(number)), episode)));
+    KAZ_TRY(write_json(folder.path(episode_file(number)), episode));
   }
   for (const std::string& from : folders)
-    KAZ_TRY(folder.explained(copy_files(from + "/failures", folder.path("failures"))));
+    KAZ_TRY(copy_files(from + "/failures", folder.path("failures")));
   const Shortage shortage = find_shortage(merge.parts);
-  const auto any = KAZ_TRY(folder.explained(
-      summarize(merge.campaign, merge.episodes, shortage.lost, folder, json, shortage.extent)));
+  const auto any = KAZ_TRY(
+      summarize(merge.campaign, merge.episodes, shortage.lost, folder, json, shortage.extent));
   if (!shortage.sentence.empty()) return fail(Fault::environment, shortage.sentence);
   return any;
 }

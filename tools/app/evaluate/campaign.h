@@ -13,7 +13,7 @@
 
 #include "host/behavior/behavior.h"
 #include "shared/base/result.hpp"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 #include "tools/app/evaluate/scenario.h"
 #include "tools/app/session/session.h"
 

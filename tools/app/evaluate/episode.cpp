@@ -27,7 +27,7 @@ double rounded(double value) {
 
 // Removes a run's results, and their folder where nothing else is in it.
 Result<void> remove_run(const std::string& folder) {
-  KAZ_TRY(OutputFolder::begin(folder, run_output()));  // its list goes with the object
+  KAZ_TRY(OutputFolder::begin(folder, run_output()));  // its mark goes with the object
   std::error_code ignored;
   fs::remove(folder, ignored);
   return {};
@@ -36,11 +36,9 @@ Result<void> remove_run(const std::string& folder) {
 // World and robot beside the recording, where kaz replay finds them.
 Result<void> keep_files(const trials::RobotFolder& files, const std::string& failure) {
   const auto folder = KAZ_TRY(OutputFolder::open(failure, run_output()));
-  return files.each(
-      [&folder](const std::string& name, const std::string& contents) -> Result<void> {
-        KAZ_TRY(folder.add(name));
-        return folder.explained(folder.write(name, contents));
-      });
+  return files.each([&folder](const std::string& name, const std::string& contents) {
+    return folder.write(name, contents);
+  });
 }
 
 // How an episode went.

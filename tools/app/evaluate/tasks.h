@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "tools/app/base/output_folder.h"
+#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 

@@ -101,10 +101,10 @@ class Figures {
       : options_(options), folder_(folder), signals_(interrupt_) {}
 
   Result<bool> make(const std::vector<Run>& runs, bool sweep) {
-    const auto made = folder_.explained(make_all(runs, sweep));
+    const auto made = make_all(runs, sweep);
     const bool interrupted = !made && made.error().fault == Fault::interrupted;
     if (!made && !interrupted) return tl::unexpected(made.error());
-    KAZ_TRY(folder_.explained(write_result(interrupted)));
+    KAZ_TRY(write_result(interrupted));
     if (interrupted)
       return fail(Fault::interrupted,
                   made.error().message + "; completed figures: " +

@@ -262,7 +262,7 @@ Result<figure::Image> Film::draw(std::size_t number) {
 Result<void> encode(Film& film, const FilmFormat& format, int fps, OutputFile& file,
                     const host::Interrupt& interrupt, Progress& progress) {
   auto encoder =
-      KAZ_TRY(FilmEncoder::begin(format, {kWidth, kHeight, fps}, file.scratch(), interrupt));
+      KAZ_TRY(FilmEncoder::begin(format, {kWidth, kHeight, fps}, file.part(), interrupt));
   for (std::size_t i = 0; i < film.pictures(); ++i) {
     const figure::Image picture = KAZ_TRY(film.draw(i));
     KAZ_TRY(encoder.add(picture.rgb));
@@ -278,21 +278,20 @@ Result<void> make_film(const FilmOptions& options) {
   const auto format = KAZ_TRY(film_format(options.path));
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
-  auto file = KAZ_TRY(OutputFile::open(options.path, "--video", format.kind));
+  auto file = KAZ_TRY(OutputFile::open(options.path, "--video"));
   FilmOptions complete = options;
   if (complete.fps == 0) complete.fps = format.fps;
   Film film = KAZ_TRY(Film::of(complete));
   const auto size = [&file]() -> std::uint64_t {
     std::error_code none;
-    const auto bytes = std::filesystem::file_size(file.scratch(), none);
+    const auto bytes = std::filesystem::file_size(file.part(), none);
     return none ? 0 : bytes;
   };
   {
     Progress progress("kaz replay", options.json);
     auto encoded = encode(film, format, complete.fps, file, interrupt, progress);
     progress.done();
-    if (!encoded && encoded.error().fault == Fault::environment)
-      KAZ_TRY(file.check_room(size() + (64 << 10)));
+    if (!encoded && encoded.error().fault == Fault::environment) KAZ_TRY(file.check_room(64 << 10));
     KAZ_TRY(encoded);
   }
   const std::uint64_t bytes = size();

@@ -20,32 +20,23 @@ namespace {
 constexpr int kNotFound = 127;  // Child's, as a shell's
 constexpr int kPoll_ms = 20;
 
-// What only files of kaz have; ffmpeg can write none into .webp and .gif, so these replace no file.
-constexpr const char* kMark = "film of kaz";
-
 const std::vector<FilmFormat>& formats() {
   static const std::vector<FilmFormat> all{
       // The index is in front, so that a browser begins at once. yuv420p: what every player has.
       {".mp4",
-       {"film", {kMark, "ftyp"}},
        30,
-       {"-c:v", "libx264", "-preset", "medium", "-crf", "20", "-pix_fmt", "yuv420p",
-        "-metadata:s:v", std::string("handler_name=") + kMark, "-movflags", "+faststart", "-f",
-        "mp4"}},
+       {"-c:v", "libx264", "-preset", "medium", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags",
+        "+faststart", "-f", "mp4"}},
       {".webm",
-       {"film", {kMark, "webm"}},
        30,
        {"-c:v", "libvpx-vp9", "-b:v", "0", "-crf", "32", "-deadline", "good", "-cpu-used", "4",
-        "-row-mt", "1", "-pix_fmt", "yuv420p", "-metadata", std::string("title=") + kMark, "-f",
-        "webm"}},
+        "-row-mt", "1", "-pix_fmt", "yuv420p", "-f", "webm"}},
       {".webp",
-       {"film"},
        10,
        {"-c:v", "libwebp_anim", "-quality", "70", "-compression_level", "4", "-pix_fmt", "yuv420p",
         "-loop", "0", "-f", "webp"}},
       // A palette for each picture: one of the whole film would need all pictures in memory.
       {".gif",
-       {"film"},
        10,
        {"-filter_complex",
         "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=bayer",

@@ -12,13 +12,11 @@
 #include "shared/base/result.hpp"
 #include "tools/app/base/child.h"
 #include "tools/app/base/output.h"
-#include "tools/app/base/output_file.h"
 
 namespace kaz::tools {
 
 struct FilmFormat {
   const char* ending;                // ending of the file's name, for example ".mp4"
-  FileKind kind;                     // type of existing files that the film may replace
   int fps;                           // default number of pictures per second
   std::vector<std::string> options;  // options of ffmpeg for its output
 };

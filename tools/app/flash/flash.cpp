@@ -18,8 +18,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr FileKind kFlashContent{"content of a flash"};
-
 using Image = std::optional<host::FlashImage>;
 
 // Whether the firmware that was started answers, with this CRC.
@@ -198,7 +196,7 @@ Result<void> act(FlashSession& session, const FlashArguments& arguments, Answer&
                  const Image& image) {
   std::optional<OutputFile> out;
   if (arguments.verb == "read") {
-    out = KAZ_TRY(OutputFile::open(arguments.out, "--out", kFlashContent));
+    out = KAZ_TRY(OutputFile::open(arguments.out, "--out", Existing::keep));
     KAZ_TRY(out->check_room(arguments.length));
   }
   if (auto opened = session.open(); !opened) return opened;

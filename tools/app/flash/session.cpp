@@ -185,9 +185,10 @@ Error FlashSession::start_again(const Error& error) {
               host::robot_option(port()) + "` starts the application immediately"};
 }
 
-Error FlashSession::with_advice(const Error& error) const {
+Error FlashSession::with_advice(Error error) const {
   const std::string left = flasher_ ? flasher_->left_behind() : "";
-  return left.empty() ? error : Error{error.fault, error.message + "\n  left: " + left};
+  if (!left.empty()) error.message += "\n  left: " + left;
+  return error;
 }
 
 }  // namespace kaz::tools

@@ -52,7 +52,7 @@ class FlashSession {
   // was erased. Returns `error` with a note on the result.
   Error start_again(const Error& error);
   // Appends the resulting state of the board to the error.
-  Error with_advice(const Error& error) const;
+  Error with_advice(Error error) const;
 
  private:
   Result<void> prompt_user(const std::string& prompt);

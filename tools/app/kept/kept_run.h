@@ -112,8 +112,8 @@ template <class T>
 Result<T> together(Result<T> ran, const Result<void>& left) {
   if (left) return ran;
   if (ran) return tl::unexpected(left.error());
-  return tl::unexpected(
-      Error{ran.error().fault, ran.error().message + "; " + left.error().message});
+  ran.error().message += "; " + left.error().message;
+  return ran;
 }
 
 }  // namespace kaz::tools

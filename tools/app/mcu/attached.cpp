@@ -6,11 +6,6 @@
 #include <cstdio>
 
 namespace kaz::tools {
-namespace {
-
-constexpr FileKind kVcd{"VCD file", {"$version kaz::h8s $end"}};
-
-}  // namespace
 
 Result<void> Attached::open(h8s::Chip& chip, const std::string& netlist, const std::string& vcd,
                             const std::vector<std::string>& signals, double crystal_hz) {
@@ -23,7 +18,7 @@ Result<void> Attached::open(h8s::Chip& chip, const std::string& netlist, const s
       return fail(Fault::usage, read.error().message);
   }
   if (!vcd.empty()) {
-    vcd_ = KAZ_TRY(OutputFile::open(vcd, "--vcd", kVcd));
+    vcd_ = KAZ_TRY(OutputFile::open(vcd, "--vcd"));
     vcd_stream_.open(vcd_->part(), std::ios::binary | std::ios::trunc);
     auto recorder = h8s::VcdRecorder::open(chip, signals, vcd_stream_, hertz);
     if (!recorder) return fail(Fault::usage, "--vcd: " + recorder.error().message);

@@ -17,12 +17,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr FileKind kTrace{"trace", {"           0  reset by "}};
-constexpr FileKind kProfileText{"profile as text", {" states, and ", "with callees   calls"}};
-constexpr FileKind kProfileJson{"profile in JSON", {"{\"states\":", ",\"asleep\":"}};
-constexpr FileKind kCallgrind{"profile for KCachegrind", {"creator: kaz-h8s"}};
-constexpr FileKind kCoverage{"coverage for lcov", {"TN:kaz\nSF:"}};
-
 Result<std::uint32_t> address_of(const h8s::SymbolTable& symbols, const std::string& text) {
   if (const auto at = symbols.address_of(text)) return *at;
   if (text.starts_with("0x") && text.size() > 2 &&
@@ -41,10 +35,9 @@ Result<void> write(std::optional<OutputFile>& file, const std::string& text) {
 }
 
 // None for standard error, or if not wanted.
-Result<std::optional<OutputFile>> open_file(const std::string& path, const std::string& option,
-                                            const FileKind& kind) {
+Result<std::optional<OutputFile>> open_file(const std::string& path, const std::string& option) {
   if (path.empty() || path == "-") return std::nullopt;
-  return OutputFile::open(path, option, kind);
+  return OutputFile::open(path, option);
 }
 
 }  // namespace
@@ -79,12 +72,9 @@ McuDebug::~McuDebug() {
 Result<std::unique_ptr<McuDebug>> McuDebug::attach(h8s::Chip& chip, const h8s::SymbolTable& symbols,
                                                    const McuDebugOptions& options) {
   auto parts = std::unique_ptr<Parts>(new Parts{chip, options, {}, {}, {}, {}, {}, {}, {}, {}, {}});
-  const FileKind& profile = options.profile_format == "json"        ? kProfileJson
-                            : options.profile_format == "callgrind" ? kCallgrind
-                                                                    : kProfileText;
-  parts->trace_file = KAZ_TRY(open_file(options.trace, "--trace", kTrace));
-  parts->profile_file = KAZ_TRY(open_file(options.profile, "--profile", profile));
-  parts->coverage_file = KAZ_TRY(open_file(options.coverage, "--coverage", kCoverage));
+  parts->trace_file = KAZ_TRY(open_file(options.trace, "--trace"));
+  parts->profile_file = KAZ_TRY(open_file(options.profile, "--profile"));
+  parts->coverage_file = KAZ_TRY(open_file(options.coverage, "--coverage"));
   if (options.trace == "-") {
     parts->trace.emplace(chip, std::cerr);
   } else if (!options.trace.empty()) {

@@ -627,9 +627,8 @@ void Session::write_end(const char* outcome, const char* cause, const std::strin
   if (deliveries_) (void)folder()->write("vision.csv", deliveries_->text());
 }
 
-// The machine's fault: with what is saved, reported to the caller, and kept as the run's outcome.
+// The machine's fault: reported to the caller, and kept as the run's outcome.
 Error Session::lost(Error error) {
-  if (folder() != nullptr) error = folder()->explained(std::move(error));
   write_end("environment", "", error.message);
   if (options_.on_loss) options_.on_loss(error);
   return error;

@@ -68,7 +68,7 @@ struct SessionOptions {
   std::function<Result<std::unique_ptr<SessionBackend>>(host::Interrupt&)> open_backend;
 };
 
-// Runs a behavior. Checks and locks the results folder (output_folder.h) before opening a device. Always
+// Runs a behavior. Checks and locks the results folder (output_file.h) before opening a device. Always
 // switches the motors off at the end. Returns:
 // - true: the behavior succeeded.
 // - false: the behavior did not succeed, or returned Fault::failed, for example because the board switched

@@ -84,10 +84,9 @@ Result<bool> draw_eyes(EyesOptions arguments) {
                {"left_rectified.png", rectified.left},
                {"right_rectified.png", rectified.right}};
   for (const auto& file : files) {
-    KAZ_TRY(folder.explained(figure::write_png(folder.path(file.name), file.image)));
+    KAZ_TRY(figure::write_png(folder.path(file.name), file.image));
   }
-  KAZ_TRY(folder.explained(
-      figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300))));
+  KAZ_TRY(figure::write_png(folder.path("eyes.png"), figure::compose(panels, 3, 300)));
   std::printf("pictures in %s: eyes.png shows all of these pictures\n", folder.folder().c_str());
   return true;
 }

@@ -19,9 +19,6 @@
 namespace kaz::tools {
 namespace {
 
-constexpr FileKind kRecording{"recording", {"\x89MCAP0\r\n", "kaz"}};
-constexpr FileKind kMemory{"board memory", {}, sim::Mcu::memory_size};
-
 // Of links, sockets and files at one place the last would replace the others.
 Result<void> check_distinct(const ServeOptions& arguments) {
   const std::string& serial = arguments.real_time.serial_path;
@@ -70,14 +67,12 @@ Result<bool> serve(ServeOptions arguments) {
   const InterruptSignals signals(interrupt);
   std::optional<OutputFile> calibration, recording, memory;
   if (!arguments.calibration.empty())
-    calibration =
-        KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration", kCalibrationFile));
+    calibration = KAZ_TRY(OutputFile::open(arguments.calibration, "--write-calibration"));
   if (!arguments.backend.recording.empty()) {
-    recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record", kRecording));
+    recording = KAZ_TRY(OutputFile::open(arguments.backend.recording, "--record"));
     arguments.backend.recording = recording->part();
   }
-  if (!arguments.memory.empty())
-    memory = KAZ_TRY(OutputFile::open(arguments.memory, "--memory", kMemory));
+  if (!arguments.memory.empty()) memory = KAZ_TRY(OutputFile::open(arguments.memory, "--memory"));
   auto simulation = KAZ_TRY(make_simulation(arguments.backend, sim::FramePolicy::drop));
   if (!arguments.real_time.cameras_path.empty() && !simulation->has_eyes())
     return tl::unexpected(sim::Simulation::no_eyes());

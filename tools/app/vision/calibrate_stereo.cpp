@@ -27,7 +27,6 @@ using vision::StereoResult;
 
 // Beyond these something was given wrongly, and the file would be a calibration of nothing.
 constexpr const char* kSoftware = "kaz calibrate stereo";
-constexpr FileKind kCoverage{"coverage picture", {"\x89PNG\r\n", kSoftware}};
 constexpr double kMinSquare_m = 0.001, kMaxSquare_m = 0.5;
 constexpr double kMinBaseline_m = 0.005, kMaxBaseline_m = 1;
 constexpr double kMinFocal = 0.2,
@@ -323,8 +322,8 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
     arguments.coverage =
         std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
   const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
-  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out", kCalibrationFile));
-  auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage", kCoverage));
+  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
+  auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage"));
   Outputs outputs{std::move(calibration), std::move(coverage)};
   const auto seen = KAZ_TRY(look_at_all(pairs, board, arguments.json));
   const auto result = vision::calibrate_stereo(seen.boards, board, seen.width, seen.height);

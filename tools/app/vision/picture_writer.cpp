@@ -15,8 +15,8 @@ constexpr std::chrono::milliseconds kQueryInterval{50};
 void PictureWriter::add(const OutputFolder& folder, std::string name,
                         std::vector<figure::Panel> panels, int columns) {
   add([folder, name = std::move(name), panels = std::move(panels), columns]() -> Result<void> {
-    const auto path = KAZ_TRY(folder.add(name));
-    return figure::write_png(path, figure::compose(panels, columns, panels.front().image.height));
+    return figure::write_png(folder.path(name),
+                             figure::compose(panels, columns, panels.front().image.height));
   });
 }
 

@@ -268,15 +268,13 @@ void VisionReport::export_files(const vision::Frame& frame, const vision::DepthI
                                 const std::string& name) {
   if (folder_ == nullptr || full()) return;
   if (options_.export_depth)
-    writer_.add([folder = *folder_, name = name + ".depth.png", depth]() -> Result<void> {
-      const auto path = KAZ_TRY(folder.add(name));
+    writer_.add([path = folder_->path(name + ".depth.png"), depth]() -> Result<void> {
       const auto bytes = KAZ_TRY(vision::depth_png(depth));
       return figure::write_file(path, bytes);
     });
   if (options_.export_points)
-    writer_.add([folder = *folder_, name = name + ".points.ply", depth,
+    writer_.add([path = folder_->path(name + ".points.ply"), depth,
                  images = frame.shared_images()]() -> Result<void> {
-      const auto path = KAZ_TRY(folder.add(name));
       vision::PointCloud cloud;
       vision::point_cloud(depth, cloud);
       const auto bytes = KAZ_TRY(vision::points_ply(cloud, images->left));

@@ -164,8 +164,8 @@ Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetec
     looked.error = looked.ball.error->message;
     return looked;
   }
-  const auto to = KAZ_TRY(folder.add(looked.picture + ".ball.png"));
-  KAZ_TRY(figure::write_png(to, overlay(*image, detector.mask(), looked.ball)));
+  KAZ_TRY(figure::write_png(folder.path(looked.picture + ".ball.png"),
+                            overlay(*image, detector.mask(), looked.ball)));
   return looked;
 }
 
@@ -266,13 +266,13 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
       if (interrupt.requested()) break;
       progress.update(static_cast<double>(all.size()) / static_cast<double>(paths.size()),
                       fs::path(path).filename().string());
-      auto looked = KAZ_TRY(folder.explained(look(path, lens, detector, folder)));
+      auto looked = KAZ_TRY(look(path, lens, detector, folder));
       all.push_back(std::move(looked));
     }
     if (all.size() == paths.size()) progress.update(1, "done");
   }
   const bool interrupted = all.size() < paths.size();
-  return folder.explained(report(all, options, ball.color, folder, interrupted));
+  return report(all, options, ball.color, folder, interrupted);
 }
 
 }  // namespace kaz::tools

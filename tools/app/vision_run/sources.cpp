@@ -301,9 +301,8 @@ Result<bool> run_on_pairs(const RecordedOptions& options) {
   }
   if (!interrupted) progress.update(1, "done");
   progress.done();
-  return folder.explained(finish(report, module_statistics_json(pipeline),
-                                 module_statistics_text(pipeline), options, *vision, folder,
-                                 interrupted));
+  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
+                *vision, folder, interrupted);
 }
 
 Result<bool> run_on_camera(const RecordedOptions& options) {
@@ -370,9 +369,8 @@ Result<bool> run_on_camera(const RecordedOptions& options) {
   if (interrupt.requested() || report.full()) end.clear();
   if (const std::string summary = source.alone.summary(); !summary.empty())
     std::fprintf(stderr, "kaz vision: cameras: %s\n", summary.c_str());
-  return folder.explained(finish(report, module_statistics_json(pipeline),
-                                 module_statistics_text(pipeline), options, *vision, folder,
-                                 interrupt.requested() && !report.full(), end));
+  return finish(report, module_statistics_json(pipeline), module_statistics_text(pipeline), options,
+                *vision, folder, interrupt.requested() && !report.full(), end);
 }
 
 Result<bool> run_on_recording(const RecordedOptions& options) {
@@ -420,8 +418,8 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
         "differed from the recording after these pairs. Perhaps the version of Kaz has changed; "
         "`kaz replay --host %s` prints the first difference\n",
         watcher.report()->frames().size(), pairs, options.in.c_str());
-  return folder.explained(finish(*watcher.report(), watcher.statistics, watcher.text, options,
-                                 vision, folder, interrupted));
+  return finish(*watcher.report(), watcher.statistics, watcher.text, options, vision, folder,
+                interrupted);
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {

@@ -5,7 +5,6 @@
 #include "hil/bench/report.h"
 #include "hil/servo/servo_fit.h"
 #include "host/motion/balance.h"
-#include "tools/app/base/output_list.h"
 #include "tools/app/evaluate/episode_file.h"
 #include "tools/app/evaluate/parts.h"
 #include "tools/fuzz/inputs/input.h"
@@ -98,23 +97,6 @@ Complaint try_episodes(Bytes bytes) {
   }
   const auto again = tools::parse_episode(e.dump(1), "again");
   if (!again) return "what was read and written cannot be read: " + again.error().message;
-  return std::nullopt;
-}
-
-// The files named there are removed by the next run: none may be elsewhere.
-Complaint try_output_list(Bytes bytes) {
-  const auto list = tools::parse_output_list(text_of(bytes), "case/.kaz-results");
-  if (!list) return judge_error(list.error(), "case/.kaz-results");
-  for (const std::string& name : list->names) {
-    if (name.find('/') != std::string::npos || name == ".." || name == "." || name.empty() ||
-        name.size() > 255 || name == tools::kOutputListName)
-      return "a name that is no file of the folder: " + name;
-  }
-  if (!list->names.empty() && list->kind.empty()) return "results of no kind";
-  if (list->process < 0) return "a process of a negative number";
-  const auto again = tools::parse_output_list(tools::output_list_text(*list), "again");
-  if (!again) return "what was read and written cannot be read: " + again.error().message;
-  if (*again != *list) return "what was read and written is another list";
   return std::nullopt;
 }
 

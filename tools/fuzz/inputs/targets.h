@@ -33,8 +33,6 @@ Complaint try_servo_log(Bytes bytes);
 Complaint try_episodes(Bytes bytes);  // episode file of `kaz evaluate`
 // Notes of a run that changes a board; a valid input is also written and read again.
 Complaint try_kept(Bytes bytes);
-// List of results in a folder; a valid input is also written and read again.
-Complaint try_output_list(Bytes bytes);
 Complaint try_recording(Bytes bytes);  // MCAP file, and its decoding by `kaz replay`
 
 // Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
@@ -85,7 +83,6 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"servo_log", try_servo_log},
                                            {"episodes", try_episodes},
                                            {"kept", try_kept},
-                                           {"output_list", try_output_list},
                                            {"recording", try_recording},
                                            {"frames", try_frames},
                                            {"replies", try_replies},
