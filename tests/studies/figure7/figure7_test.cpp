@@ -5,8 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "tools/app/figures/frame_information/panels.h"
-#include "tools/figure/figure.h"
+#include "tests/studies/figure7/sweep.h"
 
 namespace kaz::figure7 {
 namespace {
@@ -22,17 +21,12 @@ EdgeScore shown(const char* name, const map::LocalMap& map, const Sweep& sweep) 
 // eyes in three pictures. Each is where floor ends in the map, along the true edge's normal: within
 // a cell for all. A cell is floor or it is not, which alone moves an edge by up to 0.7 of one.
 TEST(Figure7, EdgesOfTheFloorAreWithinACellWithFrameInformationOnly) {
-  const Options options{
-      .world = KAZ_YARD, .robot_folder = KAZ_ROBOT, .image_path = KAZ_FIRMWARE_IMAGE};
-  const auto run = sweep(options);
+  const auto run = sweep(KAZ_YARD, KAZ_ROBOT, KAZ_FIRMWARE_IMAGE);
   ASSERT_TRUE(run) << run.error().message;
-  const auto written = figure::write_png(KAZ_FIGURE7_OUT "/figure7.png", panels(*run));
-  EXPECT_TRUE(written) << written.error().message;
-
   EXPECT_GT(run->pictures, 100);
   EXPECT_LT(run->without_floor, run->pictures / 50);
   EXPECT_GT(run->fastest_rad_per_s, 50 * std::numbers::pi / 180);
-  const double cell = options.map.cell_m;
+  const double cell = run->with.options().cell_m;
   const EdgeScore with = shown("with", run->with, *run);
   EXPECT_GT(with.points, 150);
   EXPECT_LE(with.max_m, cell + 1e-9);  // edges are sought in steps of a millimetre

@@ -1,6 +1,6 @@
 // True edges of the floor, and the errors of a map's edges.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/figures/frame_information/yard.h"
+#include "tests/studies/figure7/yard.h"
 
 #include <algorithm>
 #include <cmath>
