@@ -77,16 +77,11 @@ struct Panel {
 // Arranges panels in rows with `columns` panels each. Each panel is scaled to `height_px` and has its caption
 // below.
 Image compose(std::span<const Panel> panels, int columns, int height_px);
-// Stacks images vertically on white, left-aligned. Adds no gaps, because results of compose() already have a
-// margin.
-Image stack(std::span<const Image> images);
 
 // --- plots
 
 using plot::HorizontalLine, plot::LinePlot, plot::PlotPage, plot::Series, plot::Span;
 
-// `scale`: number of picture pixels for each px of the page.
-Image plot_picture(const PlotPage& page, int scale);
 // Draws at scale 2, so that the plot is sharp on high-resolution screens.
 Result<void> write_plot_png(const std::string& path, const PlotPage& page);
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page);

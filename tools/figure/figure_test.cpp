@@ -231,14 +231,6 @@ TEST(Pictures, APartIsPastedAsFarAsThereIsRoom) {
   EXPECT_EQ(pasted(0, -2), (std::vector<int>(6, 0)));
 }
 
-TEST(Pictures, StackedTheyStandOnWhite) {
-  const Image images[] = {{1, 1, {9, 9, 9}}, {2, 1, {1, 1, 1, 2, 2, 2}}};
-  const Image all = stack(images);
-  EXPECT_EQ(all.width, 2);
-  EXPECT_EQ(all.height, 2);
-  EXPECT_EQ(all.rgb, (std::vector<std::uint8_t>{9, 9, 9, 255, 255, 255, 1, 1, 1, 2, 2, 2}));
-}
-
 TEST(Pictures, PanelsStandSideBySide) {
   const std::vector<Panel> panels{{checker(64, 48), "left"},
                                   {checker(32, 48), "right"},

@@ -150,23 +150,6 @@ Image framed(const Image& image) {
   return all;
 }
 
-Image stack(std::span<const Image> images) {
-  Image all;
-  for (const Image& one : images) {
-    all.width = std::max(all.width, one.width);
-    all.height += one.height;
-  }
-  all.rgb.assign(
-      std::size_t{3} * static_cast<std::size_t>(all.width) * static_cast<std::size_t>(all.height),
-      255);
-  int top = 0;
-  for (const Image& one : images) {
-    paste(all, one, 0, top);
-    top += one.height;
-  }
-  return all;
-}
-
 Image compose(std::span<const Panel> panels, int columns, int height_px) {
   constexpr double kMargin = 16, kCaption = 30, kGap = 14;
   columns = std::max(columns, 1);

@@ -70,13 +70,14 @@ class CairoPainter final : public plot::Painter {
   cairo_t* c_;
 };
 
-Surface draw(const PlotPage& page, int scale) {
+Surface draw(const PlotPage& page) {
+  constexpr int kScale = 2;
   const plot::Layout layout(page);
   const Point size = layout.size();
   Surface surface =
-      blank_surface(scale * static_cast<int>(size.x), scale * static_cast<int>(size.y), kWhite);
+      blank_surface(kScale * static_cast<int>(size.x), kScale * static_cast<int>(size.y), kWhite);
   const Context c(cairo_create(surface.get()));
-  cairo_scale(c.get(), scale, scale);
+  cairo_scale(c.get(), kScale, kScale);
   CairoPainter painter(c.get());
   layout.paint(painter);
   return surface;
@@ -84,12 +85,8 @@ Surface draw(const PlotPage& page, int scale) {
 
 }  // namespace
 
-Image plot_picture(const PlotPage& page, int scale) {
-  return image_from(draw(page, scale).get());
-}
-
 Result<void> write_plot_png(const std::string& path, const PlotPage& page) {
-  return write_surface_png(path, draw(page, 2).get());
+  return write_surface_png(path, draw(page).get());
 }
 
 Result<void> write_plot_svg(const std::string& path, const PlotPage& page) {

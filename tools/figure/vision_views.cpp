@@ -50,15 +50,6 @@ vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegmen
   return image;
 }
 
-vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes,
-                            Color color) {
-  vision::Image image = left;
-  for (std::size_t i = 0; i < planes.label.size(); ++i) {
-    if (planes.label[i] != 0) paint(image, i, color, 0.55);
-  }
-  return image;
-}
-
 vision::Image flow_picture(const vision::FlowImage& flow, double longest_px) {
   vision::Image image{flow.width, flow.height, {}};
   image.rgb.assign(flow.flow_px.size() * 3, 60);
@@ -73,32 +64,6 @@ vision::Image flow_picture(const vision::FlowImage& flow, double longest_px) {
     };
     paint(image, i, {part(0), part(2.0944), part(-2.0944)}, 1);
   }
-  return image;
-}
-
-vision::Image flow_arrows(const vision::Image& left, const vision::FlowImage& flow, int factor,
-                          int spacing_px, double stretch) {
-  constexpr double kMin_px = 0.5;
-  vision::Image image = enlarge(left, factor);
-  // Paler, so that the arrows are what is seen first.
-  for (std::uint8_t& code : image.rgb) code = static_cast<std::uint8_t>(128 + code / 2);
-  std::vector<std::vector<std::pair<double, double>>> arrows;
-  const auto large = [&](const Eigen::Vector2d& p) {
-    return std::pair(factor * (p.x() + 0.5) - 0.5, factor * (p.y() + 0.5) - 0.5);
-  };
-  for (int v = spacing_px / 2; v < flow.height; v += spacing_px) {
-    for (int u = spacing_px / 2; u < flow.width; u += spacing_px) {
-      if (!flow.known(u, v)) continue;
-      const Eigen::Vector2d moved = flow.at(u, v).cast<double>();
-      if (moved.norm() < kMin_px) continue;
-      const Eigen::Vector2d tip = Eigen::Vector2d(u, v) + moved, along = stretch * moved,
-                            tail = tip - along, aside(-along.y(), along.x());
-      const Eigen::Vector2d barb = tip - 0.3 * along;
-      arrows.push_back({large(tail), large(tip), large(barb + 0.15 * aside), large(tip),
-                        large(barb - 0.15 * aside)});
-    }
-  }
-  draw_lines(image, arrows, kBlue, 1.2);
   return image;
 }
 

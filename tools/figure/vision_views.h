@@ -15,17 +15,8 @@ vision::Image depth_picture(const vision::DepthImage& depth);
 // Tints the segments on the left picture of their pair: the floor green, other segments in other colors.
 vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes);
 
-// Tints all segments in the color `color`, as in figure 6 (A) of the paper.
-vision::Image plane_picture(const vision::Image& left, const vision::PlaneSegments& planes,
-                            Color color);
-
 // Hue shows the direction of the flow. Saturation shows the length of the flow, up to `longest_px`. Pixels of
 // unknown flow are gray.
 vision::Image flow_picture(const vision::FlowImage& flow, double longest_px);
-// Draws flow arrows on `left`, the later picture of the flow, enlarged by `factor`. Each arrow ends at the
-// present position of a point. The arrow is `stretch` times as long as the flow of the point. The points are
-// `spacing_px` apart in the flow image. Points that moved less than 0.5 px have no arrow.
-vision::Image flow_arrows(const vision::Image& left, const vision::FlowImage& flow, int factor,
-                          int spacing_px, double stretch);
 
 }  // namespace kaz::figure

@@ -78,7 +78,6 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   session.watcher = options.watcher;
   session.label = options.label;
   session.json = options.json;
-  if (options.on_session) options.on_session(session);
   return session;
 }
 

@@ -15,8 +15,6 @@
 
 namespace kaz::tools {
 
-struct SessionOptions;
-
 // `host`: only the host runs, on recorded input. `whole`: host and simulation run again from the seed.
 // `by_itself`: `host` if the recording allows this mode, else `whole`.
 enum class ReplayMode { by_itself, host, whole };
@@ -33,8 +31,6 @@ struct ReplayOptions {
   std::string label = "kaz replay";  // prefix of progress messages
   VisionOptions vision;
   VisionWatcher* watcher = nullptr;
-  // Called before the run, to add further observers.
-  std::function<void(SessionOptions&)> on_session;
   // For mode `host`: the replay ends when the watcher has received this number of pairs. 0: the replay ends
   // at the end of the recording.
   std::uint64_t max_pairs = 0;

@@ -23,26 +23,15 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 constexpr Rgb kOutside{150, 150, 150};
 
-Rgb grey(double code) {
-  const auto byte = static_cast<std::uint8_t>(std::lround(code));
-  return {byte, byte, byte};
-}
-
-Rgb paper_color(const map::Cell& cell, MapColors colors) {
-  constexpr double kUnknown = 128, kDoubtfulFloor = 165, kDoubtfulObstacle = 70;
-  const double sure = colors == MapColors::states ? 1 : cell.confidence;
-  switch (cell.state) {
-    case map::CellState::floor:
-      return grey(kDoubtfulFloor + (255 - kDoubtfulFloor) * sure);
-    case map::CellState::obstacle:
-      return grey(kDoubtfulObstacle * (1 - sure));
-    case map::CellState::unknown:
-      break;
-  }
-  return grey(kUnknown);
-}
-
-}  // namespace
+// The part of the map in the picture.
+struct MapWindow {
+  Vector2d min{0, 0}, max{0, 0};  // rear right and front left corner; m, map frame
+  double px_per_m = 300;
+  int width() const;
+  int height() const;
+  // Column and row of a place.
+  std::pair<double, double> pixel(const Vector2d& at) const;
+};
 
 int MapWindow::width() const {
   return static_cast<int>(std::lround((max.y() - min.y()) * px_per_m));
@@ -78,20 +67,18 @@ MapWindow window_of(const behavior::MapReport& report) {
           kCell_px / cell};
 }
 
-figure::Image map_cells(const map::LocalMap& map, const MapWindow& window, MapColors colors) {
-  const figure::Image all = colors == MapColors::green_red ? map.picture() : figure::Image{};
+figure::Image map_cells(const map::LocalMap& map, const MapWindow& window) {
+  const figure::Image all = map.picture();
+  figure::Image image{window.width(), window.height(), {}};
+  image.rgb.reserve(3 * static_cast<std::size_t>(image.width) *
+                    static_cast<std::size_t>(image.height));
   const auto color_of = [&](int x, int y) -> Rgb {
-    if (x < 0 || y < 0 || x >= map.cells() || y >= map.cells())
-      return colors == MapColors::green_red ? kOutside : paper_color({}, colors);
-    if (colors != MapColors::green_red) return paper_color(map.cell(x, y), colors);
+    if (x < 0 || y < 0 || x >= map.cells() || y >= map.cells()) return kOutside;
     const auto row = static_cast<std::size_t>(map.cells() - 1 - x),
                column = static_cast<std::size_t>(map.cells() - 1 - y);
     const auto from = &all.rgb[3 * (row * static_cast<std::size_t>(all.width) + column)];
     return {from[0], from[1], from[2]};
   };
-  figure::Image image{window.width(), window.height(), {}};
-  image.rgb.reserve(3 * static_cast<std::size_t>(image.width) *
-                    static_cast<std::size_t>(image.height));
   for (int v = 0; v < image.height; ++v) {
     const int x = map.number(window.max.x() - (v + 0.5) / window.px_per_m);
     for (int u = 0; u < image.width; ++u) {
@@ -132,9 +119,11 @@ void draw_map_robot(figure::Image& image, const MapWindow& window, const Vector2
                 figure::kBlack, 2.5);
 }
 
+}  // namespace
+
 figure::Image map_picture(const behavior::MapReport& report) {
   const MapWindow window = window_of(report);
-  figure::Image image = map_cells(report.map, window, MapColors::green_red);
+  figure::Image image = map_cells(report.map, window);
   draw_map_grid(image, window, kGridline, figure::kWhite);
   const double axis = 2 * (window.max - window.min).norm();  // beyond the picture
   for (const Vector2d& along : {Vector2d(axis, 0), Vector2d(0, axis)})

@@ -256,7 +256,6 @@ class Session {
   Result<void> begin();
   void perform();
   Result<bool> end_in_time();
-  Result<void> show_moments();
   void settle();
   void excuse_failure();
   Result<void> check_end();
@@ -545,15 +544,7 @@ Result<bool> Session::end_in_time() {
   pipeline_->finish();
   if (options_.watcher != nullptr) options_.watcher->end(*pipeline_);
   KAZ_TRY(backend_->finish_recording());
-  KAZ_TRY(show_moments());
   return false;
-}
-
-Result<void> Session::show_moments() {
-  if (!options_.on_moments) return {};
-  const auto moments = KAZ_TRY(snapshots_->draw());
-  options_.on_moments(moments);
-  return {};
 }
 
 // Motors off, and the board as it was found; everything that goes on meanwhile ends.
@@ -678,7 +669,6 @@ Result<bool> Session::report() {
     return tl::unexpected(lost(written.error()));
   }
   const bool undrawn = !interrupted() && written->contains("interrupted");
-  if (!interrupted() && !undrawn) KAZ_TRY(show_moments());
   if (!options_.quiet) print_report(*written, report, options_.out, options_.json);
   if (!not_begun_.empty())
     std::fprintf(stderr, "%s: %s\n", options_.label.c_str(),

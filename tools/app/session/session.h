@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "host/behavior/behavior.h"
+#include "host/behavior/sink.h"
 #include "shared/base/result.hpp"
 #include "tools/app/session/backend.h"
-#include "tools/app/session/snapshots.h"
 #include "tools/app/vision/modules.h"
+#include "vision/image/frame.h"
 
 namespace kaz::tools {
 
@@ -56,9 +57,6 @@ struct SessionOptions {
   // the recording is also removed. If the function is empty, results are always written. Skipping the results
   // saves time: drawing the pictures takes a sixth of the CPU time of catch-ball.
   std::function<bool()> worth_keeping;
-  // Receives the pictures of the run's moments. These pictures are drawn only if this function is set. Not
-  // called if the run was interrupted.
-  std::function<void(const std::vector<MomentPictures>&)> on_moments;
   // Called if the machine, not the robot, ended the session: files, disk, display or port. May be called
   // before or after on_end.
   std::function<void(const Error&)> on_loss;

@@ -70,12 +70,8 @@ class Snapshots {
   bool stopped() const { return stopped_ && stopped_(); }
 
   // Stores the newest pair and the present poses under the name `shown`. Does nothing if there is no pair
-  // yet. The external view is drawn later, by write() or draw().
+  // yet. The external view is drawn later, by write().
   void take(Time now, const std::string& shown);
-
-  // Draws all moments in order of time. Leaves out moments whose pictures have no pixels. If `stopped`
-  // returns true, returns an empty list.
-  Result<std::vector<MomentPictures>> draw() const;
 
   // Writes left_eye.png, color_extraction.png and outside.png of the latest snapshot in which the ball was
   // found. If the ball was never found, uses the first snapshot. Writes all moments to moments.png, and to
@@ -93,6 +89,9 @@ class Snapshots {
     double extent_m = 0;                  // size of the subject in the close external view
   };
   Result<vision::Image> outside(const Snapshot& snapshot) const;
+  // Draws all moments in order of time. Leaves out moments whose pictures have no pixels. If `stopped`
+  // returns true, returns an empty list.
+  Result<std::vector<MomentPictures>> draw() const;
 
   const RememberingCamera& camera_;
   sim::Simulation* simulation_;
