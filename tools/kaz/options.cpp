@@ -190,7 +190,7 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
                 "also record the eyes' pictures; without this option, the recording contains only "
-                "a hash (SHA-256) of each picture");
+                "a hash (XXH3, 128 bits) of each stereo pair");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,

@@ -293,10 +293,14 @@ Result<void> KeptRun::put_back() {
   for (const std::string& note : back.notes)
     std::fprintf(stderr, "%s: %s\n", options_.verb.c_str(), note.c_str());
   if (back.left.empty()) {
-    if (!back.done.empty())
-      std::fprintf(stderr, "%s: %sput back, at %s: %s\n", options_.verb.c_str(),
-                   options_.motors_off ? "motors off (a standing robot sinks down); " : "",
-                   options_.port.c_str(), joined(back.done).c_str());
+    const char* const off = options_.motors_off ? "motors off (the robot sinks down)" : "";
+    const bool servo_bus =
+        options_.still_on != nullptr;  // a servo has no settings that a run changes
+    if (servo_bus && options_.motors_off)
+      std::fprintf(stderr, "%s: %s: %s\n", options_.verb.c_str(), options_.port.c_str(), off);
+    else if (!servo_bus && !back.done.empty())
+      std::fprintf(stderr, "%s: %s: %s%srestored: %s\n", options_.verb.c_str(),
+                   options_.port.c_str(), off, *off ? "; " : "", joined(back.done).c_str());
     return {};
   }
   const std::string on = options_.still_on ? options_.still_on() : "";
