@@ -40,8 +40,8 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
               {"damage SHARE",
                "set the share of damaged bytes (0 to 1); a damaged byte has one wrong bit"},
               {"turn JOINT DEGREES",
-               "turn a joint by hand to this angle; its torque must be off. The command \"turn "
-               "off\" releases all joints"},
+               "while the joint's torque is off, turn it by hand to this angle and hold it there; "
+               "\"turn off\" releases all joints"},
               {"status", "print the time, the host, lost bytes and the state of each servo"}}}};
   if (command == "power") {
     if (argument != "on" && argument != "off")
