@@ -4,7 +4,7 @@
 // A plug-in is a shared object with one behavior, built outside of Kaz's tree (docs/howto/own-behavior.md).
 // The source of a plug-in defines a `const Behavior` and ends with KAZ_BEHAVIOR_PLUGIN(behavior). A plug-in
 // links no Kaz library, because the program `kaz` exports the functions that a plug-in needs. The file
-// tools/kaz/exports.txt lists the exported namespaces.
+// tools/cli/exports.txt lists the exported namespaces.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "host/behavior/behavior.h"
-#include "kaz_interface.h"  // made by tools/gen/interface_id.py
+#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
 
 #define KAZ_PLUGIN_TEXT_OF(number) #number
 #define KAZ_PLUGIN_TEXT(number) KAZ_PLUGIN_TEXT_OF(number)

@@ -144,7 +144,7 @@ Result<void> check_image(const FlashImage& image, bool through_boot, bool force)
                            "an application that matches its header",
                            damage,
                            {"the file was cut off or changed",
-                            "it was linked but not stamped (tools/gen/stamp_image.py)"},
+                            "it was linked but not stamped (tools/repo/gen/stamp_image.py)"},
                            "build the image again; --force does not write a damaged image"});
   }
   return check_loader(image, through_boot);

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/plan/ompl_module.h"
-#include "kaz_interface.h"  // made by tools/gen/interface_id.py
+#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
 
 namespace kaz::plan {
 namespace {

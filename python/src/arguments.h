@@ -5,7 +5,7 @@
 #include <string>
 
 #include "python/src/python.h"
-#include "tools/app/session/backend_options.h"
+#include "tools/run/backend_options.h"
 
 namespace kaz::python {
 

@@ -8,9 +8,9 @@
 
 #include "host/behavior/plugin.h"
 #include "python/src/arguments.h"
-#include "tools/app/base/interrupt_signals.h"
-#include "tools/app/session/balance_setting.h"
-#include "tools/app/session/session.h"
+#include "tools/base/interrupt_signals.h"
+#include "tools/run/balance_setting.h"
+#include "tools/run/session.h"
 
 namespace kaz::python {
 namespace {

@@ -8,7 +8,7 @@
 #include "python/src/arguments.h"
 #include "python/src/batch.h"
 #include "sim/body/description/robot_model.h"
-#include "tools/app/base/paths.h"
+#include "tools/base/paths.h"
 
 namespace kaz::python {
 namespace {

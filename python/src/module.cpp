@@ -5,7 +5,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "tools/app/base/version.h"
+#include "tools/base/version.h"
 
 namespace kaz::python {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python/src/python.h"
 
-#include "tools/app/session/live_camera.h"
+#include "tools/run/live_camera.h"
 
 namespace kaz::python {
 namespace {

@@ -9,7 +9,7 @@
 #include "host/link/interruptible.h"
 #include "host/robot/robot.h"
 #include "python/src/simulation.h"
-#include "tools/app/session/backend.h"
+#include "tools/run/backend.h"
 #include "tools/lockstep/lockstep.h"
 
 namespace kaz::python {

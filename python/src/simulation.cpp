@@ -10,9 +10,9 @@
 #include "shared/faults/faults.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/runtime/time.h"
-#include "sim/view/camera.h"
-#include "tools/app/base/paths.h"
-#include "tools/app/session/backend.h"
+#include "sim/render/camera.h"
+#include "tools/base/paths.h"
+#include "tools/run/backend.h"
 
 namespace kaz::python {
 namespace {

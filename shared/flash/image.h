@@ -18,7 +18,7 @@
 #define KZ_IMAGE_ID 0x4B415A41UL  // "KAZA"
 #define KZ_BOARD_ID 0x2128
 
-// Header of the application, 32 bytes. tools/gen/stamp_image.py sets `length` and `crc` after linking.
+// Header of the application, 32 bytes. tools/repo/gen/stamp_image.py sets `length` and `crc` after linking.
 typedef struct kz_image_header {
   u32 image_id;
   u16 board_id;
@@ -34,7 +34,7 @@ typedef struct kz_image_header {
 #define KZ_LOADER_MARK 0xDFE0UL    // last line of the loader's block
 #define KZ_LOADER_ID 0x4B415A4CUL  // "KAZL"
 
-// Mark of the loader, 32 bytes. tools/gen/stamp_image.py sets `crc` after linking.
+// Mark of the loader, 32 bytes. tools/repo/gen/stamp_image.py sets `crc` after linking.
 typedef struct kz_loader_mark {
   u32 loader_id;
   u8 unused[26];

@@ -1,4 +1,4 @@
-// Drawing interface of plots, implemented for SVG (svg.cpp) and for pixels (tools/figure).
+// Drawing interface of plots, implemented for SVG (svg.cpp) and for pixels (tools/drawing).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// Description of a page of line plots. svg.h draws the page as SVG, tools/figure as PNG.
+// Description of a page of line plots. svg.h draws the page as SVG, tools/drawing as PNG.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -13,8 +13,9 @@ ROOT = pathlib.Path(sys.argv.pop(1))
 
 class Affected(unittest.TestCase):
     def run_list(self, *arguments):
-        return subprocess.run([sys.executable, "-B", ROOT / "tools/affected.py", "--build", BUILD, "--list",
-                               *arguments], capture_output=True, text=True)
+        program = ROOT / "tools/repo/affected.py"
+        return subprocess.run([sys.executable, "-B", program, "--build", BUILD, "--list", *arguments],
+                              capture_output=True, text=True)
 
     def labels(self, *arguments):
         listed = self.run_list(*arguments)

@@ -29,7 +29,7 @@ def visit(address):
 
 def main():
     WORK.mkdir(parents=True, exist_ok=True)
-    subprocess.run([ROOT / "tools/site/build.sh", SITE], check=True)
+    subprocess.run([ROOT / "tools/repo/site/build.sh", SITE], check=True)
     faults = []
     listed = (SITE / "api/files.html").read_text()
     headers = [path for folder in pathlib.Path(sys.argv[3]).read_text().split()

@@ -45,7 +45,7 @@ HARMLESS_HEADERS = """
   unistd.h unordered_map unordered_set utility variant vector version xxhash.h CLI/* EGL/* Eigen/* GL/*
   asmjit/* ompl/* opencv2/calib3d.hpp opencv2/core.hpp opencv2/core/eigen.hpp opencv2/core/utility.hpp
   opencv2/imgproc.hpp opencv2/video/tracking.hpp pcl/features/* pcl/point_types.h pcl/segmentation/*
-  kaz_interface.h kz_*.h board_params.h tools/app/base/version.h""".split()
+  kaz_interface.h kz_*.h board_params.h tools/base/version.h""".split()
 READING_HEADERS = """
   arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* netdb.h png.h pybind11/* regex
   sdf/* sys/mman.h tinyxml2.h urdf_model/* urdf_parser/* zlib.h""".split()

@@ -57,12 +57,12 @@ PLACES = {
 
 # In tools: who takes the simulation out of a backend, how often, and for what. Behaviors see none of it.
 TAKERS = {
-    "tools/app/session/session.cpp": (
+    "tools/run/session.cpp": (
         6, "recording, pictures from outside, also of the start, the judges' view, the result's facts"),
-    "tools/app/calibrate/calibrate_joints.cpp": (1, "stores the board's memory after the last request"),
-    "tools/app/session/backend.cpp": (2, "defines it"),
-    "tools/app/session/backend.h": (1, "declares it"),
-    "tools/app/replay/replay_host.cpp": (1, "defines it: none"),
+    "tools/calibrate/calibrate_joints.cpp": (1, "stores the board's memory after the last request"),
+    "tools/run/backend.cpp": (2, "defines it"),
+    "tools/run/backend.h": (1, "declares it"),
+    "tools/replay/replay_host.cpp": (1, "defines it: none"),
 }
 faults = []
 
@@ -122,7 +122,11 @@ def check_words():
 
 
 def check_takers():
-    for name in files("tools/app", "tools/kaz"):
+    # Below the session: what offers the simulation.
+    below = ("tools/lockstep/", "tools/viewer/", "tools/fuzz/", "tools/benchmark/", "tools/trials/")
+    for name in files("tools"):
+        if name.startswith(below):
+            continue
         count = len(re.findall(r"\bsimulation\(\)", code(name)))
         allowed = TAKERS.get(name, (0, ""))[0]
         if count != allowed:
@@ -133,12 +137,12 @@ def check_takers():
         if not (ROOT / name).exists():
             faults.append(f"tests/repository/independent.py: there is no {name}")
     # One function assembles the context of a behavior; the context must not contain the simulation.
-    begin = code("tools/app/session/session.cpp").split("behavior::Context context{", 1)
+    begin = code("tools/run/session.cpp").split("behavior::Context context{", 1)
     if len(begin) != 2:
-        faults.append("tools/app/session/session.cpp: `behavior::Context context{` is not found, where a "
+        faults.append("tools/run/session.cpp: `behavior::Context context{` is not found, where a "
                       "behavior gets what it has")
     elif re.search(r"simulation|world|\bsim::", begin[1].split("std::optional<RunProfiler>", 1)[0]):
-        faults.append("tools/app/session/session.cpp: a behavior's context has something of the simulation")
+        faults.append("tools/run/session.cpp: a behavior's context has something of the simulation")
 
 
 check_includes()

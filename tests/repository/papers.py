@@ -92,12 +92,12 @@ def check_versioning():
 
 def check_package_files():
     """The packages say what the page says."""
-    for name in ("tools/cmake/KazInstall.cmake", "tools/cmake/KazPlugin.cmake"):
+    for name in ("tools/repo/cmake/KazInstall.cmake", "tools/repo/cmake/KazPlugin.cmake"):
         rules = re.findall(r"COMPATIBILITY (\w+)", read(name))
         if rules != ["SameMinorVersion"]:
             fault(name, f"compatibility is {rules}, and docs/reference/versioning.md says SameMinorVersion")
-    if "@PROJECT_VERSION@" not in read("tools/cmake/kaz.pc.in"):
-        fault("tools/cmake/kaz.pc.in", "the version is not the project's")
+    if "@PROJECT_VERSION@" not in read("tools/repo/cmake/kaz.pc.in"):
+        fault("tools/repo/cmake/kaz.pc.in", "the version is not the project's")
 
 
 def check_security():

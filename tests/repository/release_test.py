@@ -15,7 +15,7 @@ import sys
 import time
 
 ROOT, SCRATCH = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-RELEASE = ROOT / "tools/release.sh"
+RELEASE = ROOT / "tools/repo/release.sh"
 CMAKE = """cmake_minimum_required(VERSION 3.25)
 project(kaz VERSION 7.8.9 LANGUAGES NONE)
 install(PROGRAMS /bin/true DESTINATION bin RENAME kaz)

@@ -88,9 +88,9 @@ LAYERS = {
         "benchmark": ("image", "calibration", "color", "depth", "flow", "planes"),
     },
     "sim": {
-        "h8s": (), "mcu": ("h8s",), "body": (), "view": ("body",), "board": ("mcu", "body"),
+        "h8s": (), "mcu": ("h8s",), "body": (), "render": ("body",), "board": ("mcu", "body"),
         "bus": ("body",),
-        "runtime": ("h8s", "mcu", "body", "view", "board", "bus"), "stand": ("body", "runtime"),
+        "runtime": ("h8s", "mcu", "body", "render", "board", "bus"), "stand": ("body", "runtime"),
     },
     "sim/h8s": {
         "cpu": (), "translate": ("cpu",), "chip": ("cpu", "translate"), "flat": ("cpu", "translate"),
@@ -105,7 +105,7 @@ LAYERS = {
         "reduced": ("description", "motor", "contact", "world"), ".": ("world", "ode", "reduced"),
         "tests": (".", "description", "motor", "contact", "world", "ode", "reduced"),
     },
-    "sim/view": {
+    "sim/render": {
         ".": (), "model": (".",), "gl": (".", "model"), "raster": (".", "model"), "sensor": (".",),
         "tests": (".", "model", "gl", "raster", "sensor"),
     },
@@ -125,24 +125,35 @@ LAYERS = {
     "python": {"src": (), "kaz": (), "benchmark": ("kaz",), "tests": ("src",), ".": ()},
     "examples": {"behavior": (), "h8s": (), "python": ()},
     "tools": {
-        "cmake": (), "gdb": (), "package": (), "trials": (),
-        "figure": (), "lockstep": (), "app": ("trials", "figure", "lockstep"),
-        "view": (), "fuzz": ("lockstep", "app", "view"),
-        "kaz": ("figure", "app", "fuzz", "view"),
-        "benchmark": ("lockstep",),
-    },
-    "tools/app": {
-        "base": (), "doctor": ("base",), "kept": ("base",), "vision": ("base",),
-        "session": ("base", "kept", "vision"),
-        "board": ("base", "kept"), "bridge": ("base",), "bus": ("base", "session"),
-        "calibrate": ("base", "kept", "session"),
-        "monitor": ("base", "kept", "session"), "flash": ("base", "kept", "monitor"), "mcu": ("base",),
-        "sim": ("base", "session"),
-        "bench": ("base", "kept", "session"), "replay": ("base", "vision", "session"),
-        "compare": ("base", "session"),
-        "evaluate": ("base", "vision", "session"),
-        "film": ("base", "session", "replay"),
-        "vision_run": ("base", "kept", "vision", "session", "replay"),
+        "trials": (),
+        "drawing": (),
+        "lockstep": (),
+        "viewer": (),
+        "base": ("trials",),
+        "kept": ("base",),
+        "vision": ("drawing", "base"),
+        "run": ("drawing", "lockstep", "base", "kept", "vision"),
+        "board": ("lockstep", "base", "kept"),
+        "bridge": ("base",),
+        "bus": ("base", "run"),
+        "calibrate": ("base", "kept", "run"),
+        "compare": ("lockstep", "base", "run"),
+        "doctor": ("base",),
+        "monitor": ("base", "kept", "run"),
+        "flash": ("base", "kept", "monitor"),
+        "mcu": ("base",),
+        "sim": ("drawing", "base", "run"),
+        "bench": ("drawing", "lockstep", "base", "kept", "run"),
+        "replay": ("lockstep", "base", "vision", "run"),
+        "eval": ("trials", "drawing", "lockstep", "base", "vision", "run"),
+        "film": ("drawing", "lockstep", "base", "run", "replay"),
+        "vision_run": ("drawing", "base", "kept", "vision", "run", "replay"),
+        "fuzz": ("lockstep", "viewer", "base", "kept", "vision", "run", "compare", "replay", "eval"),
+        "cli": ("drawing", "viewer", "base", "vision", "run", "board", "bridge", "bus", "calibrate",
+                "compare", "doctor", "monitor", "flash", "mcu", "sim", "bench", "replay", "eval", "film",
+                "vision_run", "fuzz"),
+        "benchmark": (),
+        "repo": (),
     },
     "tools/fuzz": {".": (), "flash_writer": (".",), "inputs": (".",), "vision": (".",)},
     "tools/benchmark": {"common": (), "mujoco": ("common",), "body": ("mujoco",), ".": ("body",)},
@@ -164,7 +175,7 @@ LAYERS = {
 ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp", "shared/base/descriptor.hpp",
                     "shared/base/files.hpp", "shared/base/result.hpp", "shared/image/image.h")}
 # A judge shares no code with behaviors: of host it includes only what they report through.
-JUDGE, JUDGE_MAY = "tools/app/evaluate/judge", tuple(
+JUDGE, JUDGE_MAY = "tools/eval/judge", tuple(
     f"host/behavior/{name}.h" for name in ("behavior", "options", "sink"))
 TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp|/oracle\w*\.(cpp|h))$")
 

@@ -1,4 +1,4 @@
--- Wireshark dissector of Kaz's protocol, made by tools/gen/protocol_dissector.py; change that.
+-- Wireshark dissector of Kaz's protocol, made by tools/repo/gen/protocol_dissector.py; change that.
 -- SPDX-License-Identifier: Apache-2.0
 --
 -- Use: wireshark -X lua_script:kaz.lua capture.pcap, or copy this file to the folder of personal Lua

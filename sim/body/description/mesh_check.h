@@ -20,7 +20,7 @@ Result<std::string> mesh_path(const std::string& robot_path, const std::string& 
 
 // Returns nullopt if extension, size and basic structure of a mesh file are valid. For an invalid file,
 // returns a sentence fragment with the error; the caller completes the sentence. Only the renderer parses the
-// triangles (sim/view/model/mesh.h).
+// triangles (sim/render/model/mesh.h).
 std::optional<std::string> mesh_error(const std::string& path);
 
 }  // namespace kaz::sim

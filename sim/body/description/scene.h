@@ -1,4 +1,4 @@
-// Visual scene: shapes, materials and poses. sim/body builds the scene, sim/view draws it.
+// Visual scene: shapes, materials and poses. sim/body builds the scene, sim/render draws it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

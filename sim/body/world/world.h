@@ -115,7 +115,7 @@ class World {
   virtual ScenePose pose() const = 0;
   // Returns the index of the head's frame in ScenePose::frames. The head is the link that carries both links
   // `left_eye` and `right_eye`. If the robot has no such head, head_frame() returns -1. The optical centers
-  // of the cameras are given in the head's frame (sim/view/camera.h).
+  // of the cameras are given in the head's frame (sim/render/camera.h).
   virtual int head_frame() const = 0;
 
   // The following functions return ground truth, for tests, measurements and evaluation only. All poses are

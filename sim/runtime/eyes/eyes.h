@@ -16,7 +16,7 @@
 #include "shared/base/result.hpp"
 #include "sim/body/world/world.h"
 #include "sim/runtime/eyes/render_thread.h"
-#include "sim/view/sensor/real_eye.h"
+#include "sim/render/sensor/real_eye.h"
 #include "vision/calibration/calibration.h"
 #include "vision/image/frame.h"
 

@@ -14,7 +14,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/body/description/scene.h"
-#include "sim/view/renderer.h"
+#include "sim/render/renderer.h"
 
 namespace kaz::sim {
 

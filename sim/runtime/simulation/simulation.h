@@ -33,7 +33,7 @@
 #include "sim/runtime/simulation/serial_line.h"
 #include "sim/runtime/simulation/step_ratio.h"
 #include "sim/runtime/time.h"
-#include "sim/view/renderer_kind.h"
+#include "sim/render/renderer_kind.h"
 #include "vision/image/frame.h"
 
 namespace kaz::sim {

@@ -14,7 +14,7 @@ import socket
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tools/gdb"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tools/repo/gdb"))
 import coff_to_elf  # noqa: E402
 
 TRACE = sum((i * 100 - k * 37) * (i * 55 - k * 91) for i in range(16) for k in range(16))

@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "tests/integration/vision/rendered_scene_testing.h"
-#include "tools/figure/figure.h"
-#include "tools/figure/vision_views.h"
+#include "tools/drawing/figure.h"
+#include "tools/drawing/vision_views.h"
 #include "vision/planes/plane_segments.h"
 
 int main(int count, char** words) {

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "tests/integration/vision_flow/moving_scene_testing.h"
-#include "tools/figure/figure.h"
+#include "tools/drawing/figure.h"
 #include "vision/flow/independent_motion.h"
 
 namespace {

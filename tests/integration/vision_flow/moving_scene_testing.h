@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/view/renderer_kind.h"
-#include "sim/view/scenes_testing.h"
-#include "sim/view/sensor/eye_testing.h"
-#include "sim/view/sensor/sensor.h"
+#include "sim/render/renderer_kind.h"
+#include "sim/render/scenes_testing.h"
+#include "sim/render/sensor/eye_testing.h"
+#include "sim/render/sensor/sensor.h"
 #include "vision/calibration/rectify.h"
 
 namespace kaz::sim {

@@ -7,7 +7,7 @@
 
 #include "tests/studies/common/program.h"
 #include "tests/studies/dynamics_table/table.h"
-#include "tools/figure/figure.h"
+#include "tools/drawing/figure.h"
 
 namespace {
 

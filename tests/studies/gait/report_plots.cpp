@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/studies/gait/report.h"
-#include "tools/figure/figure.h"
+#include "tools/drawing/figure.h"
 
 namespace kaz::gait {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/app/base/paths.h"
-#include "tools/app/evaluate/judge.h"
-#include "tools/app/session/session.h"
+#include "tools/base/paths.h"
+#include "tools/eval/judge.h"
+#include "tools/run/session.h"
 #include "tools/lockstep/calibrated_joints.h"
 
 namespace {

@@ -10,7 +10,7 @@
 #include "host/map/local_map.h"
 #include "shared/base/random.hpp"
 #include "tests/studies/vision_table/eyes.h"
-#include "tools/app/evaluate/map_truth.h"
+#include "tools/eval/map_truth.h"
 #include "vision/depth/depth.h"
 #include "vision/planes/floor_edges.h"
 #include "vision/planes/plane_segments.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/view/renderer_kind.h"
-#include "tools/app/evaluate/obstacle.h"
+#include "sim/render/renderer_kind.h"
+#include "tools/eval/obstacle.h"
 
 namespace kaz::map_table {
 
@@ -30,7 +30,7 @@ inline constexpr const char* kFloors[] = {"wood", "carpet", "checker", "plain"};
 struct Found {
   int things = 0, in_time = 0;  // in_time: in the map early enough to stop the robot
   int outline_points = 0, outline_found = 0, floor_cells = 0,
-      floor_wrong = 0;  // tools/app/evaluate/map_truth.h
+      floor_wrong = 0;  // tools/eval/map_truth.h
 
   void add(const Found& other);
 };

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "sim/view/renderer_kind.h"
-#include "sim/view/sensor/sensor.h"
+#include "sim/render/renderer_kind.h"
+#include "sim/render/sensor/sensor.h"
 #include "tests/studies/vision_table/world.h"
 #include "vision/calibration/rectify.h"
 
@@ -25,7 +25,7 @@ class Eyes {
  public:
   static constexpr double kBaseline_m = sim::kEyeBaseline_m;
 
-  // Unit number 2 of the eyes, with the simulator's lenses, mounting and noise (sim/view/sensor/sensor.h).
+  // Unit number 2 of the eyes, with the simulator's lenses, mounting and noise (sim/render/sensor/sensor.h).
   Eyes(int width, const Conditions& conditions);
 
   const vision::CameraModel& camera() const { return calibration_.rectified; }

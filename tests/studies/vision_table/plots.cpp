@@ -8,7 +8,7 @@
 
 #include "tests/studies/vision_table/placement.h"
 #include "tests/studies/vision_table/robust_rows.h"
-#include "tools/figure/figure.h"
+#include "tools/drawing/figure.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::vision_table {

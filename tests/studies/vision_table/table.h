@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "sim/view/renderer_kind.h"
+#include "sim/render/renderer_kind.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::vision_table {

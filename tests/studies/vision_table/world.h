@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/view/scenes_testing.h"
+#include "sim/render/scenes_testing.h"
 
 namespace kaz::vision_table {
 

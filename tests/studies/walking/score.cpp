@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/studies/common/table.h"
-#include "tools/figure/figure.h"
+#include "tools/drawing/figure.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::walking {

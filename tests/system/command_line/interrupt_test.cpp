@@ -39,7 +39,7 @@ struct VerbLine {
 const std::vector<VerbLine>& verbs() {
   static const std::vector<VerbLine> all = {
 #define KAZ_VERB(name, interrupt) {#name, interrupt},
-#include "tools/kaz/verbs.def"
+#include "tools/cli/verbs.def"
 #undef KAZ_VERB
   };
   return all;

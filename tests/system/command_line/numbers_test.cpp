@@ -70,7 +70,7 @@ TEST(Numbers, AreFiniteAndDecimalInEveryOption) {
       if (takes_nan && option.name == "--duration") continue;
       EXPECT_TRUE(!takes_nan || is_text(option.value))
           << option.name << " " << option.value << " of " << arguments.front()
-          << " takes nan: give it a check of tools/kaz/options.h";
+          << " takes nan: give it a check of tools/cli/options.h";
       if (takes_nan) continue;
       ++numeric;
       for (const char* wrong : {"-inf", "0x1p3"})

@@ -16,8 +16,8 @@
 #include "sim/runtime/simulation/simulation.h"
 #include "sim/runtime/simulation/snapshot.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/base/arguments.h"
-#include "tools/app/vision/modules.h"
+#include "tools/base/arguments.h"
+#include "tools/vision/modules.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

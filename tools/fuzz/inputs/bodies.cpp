@@ -4,7 +4,7 @@
 
 #include "sim/body/description/robot_model.h"
 #include "sim/body/description/world_model.h"
-#include "sim/view/model/mesh.h"
+#include "sim/render/model/mesh.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

@@ -1,6 +1,6 @@
 // Notes of an interrupted run, for `kaz recover --from`.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/app/kept/kept_file.h"
+#include "tools/kept/kept_file.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

@@ -11,7 +11,7 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "shared/protocol/frame.h"
-#include "tools/app/session/board_file.h"
+#include "tools/run/board_file.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

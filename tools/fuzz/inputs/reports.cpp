@@ -5,8 +5,8 @@
 #include "hil/bench/report.h"
 #include "hil/servo/servo_fit.h"
 #include "host/motion/balance.h"
-#include "tools/app/evaluate/episode_file.h"
-#include "tools/app/evaluate/parts.h"
+#include "tools/eval/episode_file.h"
+#include "tools/eval/parts.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

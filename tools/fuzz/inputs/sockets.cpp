@@ -21,7 +21,7 @@
 #include "sim/runtime/serving/control_server.h"
 #include "sim/runtime/serving/followed_clock.h"
 #include "sim/stand/stand_commands.h"
-#include "tools/app/base/time_lost.h"
+#include "tools/base/time_lost.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 

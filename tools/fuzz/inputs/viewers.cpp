@@ -13,10 +13,10 @@
 #include "host/behavior/pose_request.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
-#include "tools/view/entry.h"
-#include "tools/view/feed.h"
-#include "tools/view/protocol.h"
-#include "tools/view/view.h"
+#include "tools/viewer/entry.h"
+#include "tools/viewer/feed.h"
+#include "tools/viewer/protocol.h"
+#include "tools/viewer/view.h"
 
 namespace kaz::fuzz {
 namespace {
@@ -25,17 +25,17 @@ constexpr std::string_view kTopics[] = {
     "/truth/joints", "/truth/ball", "/wire/to_board", "/wire/to_host", "/board/pins",
     "/behavior",     "/tf"};
 
-Complaint judge(const Result<watch::Request>& request) {
+Complaint judge(const Result<viewer::Request>& request) {
   if (!request) {
     const std::string& sentence = request.error().message;
     if (sentence.empty() || sentence.find('\n') != std::string::npos)
       return "a refusal is not one line: " + sentence;
     return std::nullopt;
   }
-  if (request->subscribe.size() > watch::kMostEntries ||
-      request->unsubscribe.size() > watch::kMostEntries)
+  if (request->subscribe.size() > viewer::kMostEntries ||
+      request->unsubscribe.size() > viewer::kMostEntries)
     return "a request asks for more than is allowed";
-  if (request->line.size() > watch::kLongestLine) return "a line is longer than is allowed";
+  if (request->line.size() > viewer::kLongestLine) return "a line is longer than is allowed";
   if (const auto act = sim::parse_hand(request->line, Time::zero())) {
     if (!act->vector.allFinite() || act->vector.cwiseAbs().maxCoeff() > sim::HandAct::kMaxPlace)
       return "a hand reaches too far";
@@ -43,7 +43,7 @@ Complaint judge(const Result<watch::Request>& request) {
   if (const auto wanted = behavior::parse_pose_request(request->line)) {
     if (!(std::abs(wanted->angle_rad) < 3.2)) return "a joint is to turn too far";
   }
-  if (request->kind == watch::Request::Kind::playback &&
+  if (request->kind == viewer::Request::Kind::playback &&
       !(request->playback.speed > 0.009 && request->playback.speed < 101))
     return "a player's speed is out of range";
   return std::nullopt;
@@ -52,11 +52,11 @@ Complaint judge(const Result<watch::Request>& request) {
 // Hears a recording's messages; it has a server that nobody is connected to.
 Complaint play(std::string_view topic, Bytes bytes) {
   static const auto server = [] {
-    watch::ServerOptions options;
+    viewer::ServerOptions options;
     options.port = 0;
-    return watch::Server::open(options);
+    return viewer::Server::open(options);
   }();
-  static auto feed = watch::Feed::create(**server, KAZ_FUZZ_ROBOT);
+  static auto feed = viewer::Feed::create(**server, KAZ_FUZZ_ROBOT);
   if (!feed) return feed.error().message;
   feed->message(topic, 1'000'000, bytes);
   feed->restart();
@@ -67,8 +67,8 @@ Complaint play(std::string_view topic, Bytes bytes) {
 
 // The first byte: a WebSocket, and --view-open. Then lines: method, target, Host, Origin, subprotocols.
 Complaint try_entry(Bytes bytes) {
-  static const watch::Access kAccess = [] {
-    watch::Access access;
+  static const viewer::Access kAccess = [] {
+    viewer::Access access;
     access.token = "0123456789abcdef";
     access.names = {"robot"};
     access.page["/index.html"] = {"text/html", {'p'}};
@@ -76,7 +76,7 @@ Complaint try_entry(Bytes bytes) {
     return access;
   }();
   if (bytes.empty()) return std::nullopt;
-  watch::Access access = kAccess;
+  viewer::Access access = kAccess;
   access.open = (bytes[0] & 2) != 0;
   const std::string text = text_of(bytes.subspan(1));
   std::array<std::string_view, 5> lines;
@@ -86,8 +86,8 @@ Complaint try_entry(Bytes bytes) {
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
   }
   const auto& [method, target, host, origin, subprotocols] = lines;
-  const watch::Answer answer =
-      watch::answer_to({method, target, host, origin, subprotocols, (bytes[0] & 1) != 0}, access);
+  const viewer::Answer answer =
+      viewer::answer_to({method, target, host, origin, subprotocols, (bytes[0] & 1) != 0}, access);
   if (answer.status >= 400) {
     if (answer.sentence.find('\n') + 1 != answer.sentence.size() || answer.sentence.size() < 5)
       return "a refusal is not one line: " + std::string(answer.sentence);
@@ -111,15 +111,15 @@ Complaint try_viewer(Bytes bytes) {
   if (bytes.empty()) return std::nullopt;
   const unsigned kind = bytes[0] % 10;
   const Bytes rest = bytes.subspan(1);
-  if (kind == 0) return judge(watch::parse_binary(rest));
+  if (kind == 0) return judge(viewer::parse_binary(rest));
   if (kind == 1) {
     const std::string text = text_of(rest);
-    const std::string_view chosen = watch::chosen_subprotocol(text);
+    const std::string_view chosen = viewer::chosen_subprotocol(text);
     if (!chosen.empty() && text.find(chosen) == std::string::npos)
       return "a subprotocol was chosen that was not offered";
     return std::nullopt;
   }
-  if (kind == 2) return judge(watch::parse_text(text_of(rest)));
+  if (kind == 2) return judge(viewer::parse_text(text_of(rest)));
   return play(kTopics[kind - 3], rest);
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "tools/app/vision/color_file.h"
+#include "tools/vision/color_file.h"
 #include "tools/fuzz/vision/targets.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"

@@ -1,0 +1,224 @@
+// `kaz run`: one behavior on a real or virtual robot.
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "host/behavior/behavior.h"
+#include "host/behavior/plugin.h"
+#include "tools/base/output.h"
+#include "tools/cli/options.h"
+#include "tools/cli/run_options.h"
+#include "tools/cli/verbs.h"
+
+namespace kaz::tools {
+namespace {
+
+std::string behavior_names() {
+  std::string names;
+  for (const auto& behavior : behavior::behaviors()) {
+    names += (names.empty() ? "" : ", ") + std::string(behavior.name);
+  }
+  return names;
+}
+
+// Which behaviors have the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
+std::string timed_behaviors() {
+  std::string list;
+  for (const auto& behavior : behavior::behaviors()) {
+    for (const auto& option : behavior.options) {
+      if (option.name == "seconds")
+        list += (list.empty() ? "" : ", ") + std::string(behavior.name) + " (" +
+                behavior::valid_values(option) + ")";
+    }
+  }
+  return list;
+}
+
+// Options of the virtual robot, which have no effect on one at a port.
+constexpr const char* kVirtualOnly[] = {
+    "--world",     "--mcu",      "--image",           "--sensors",       "--imu",
+    "--no-imu",    "--dynamics", "--physics-step",    "--supply",        "--eyes",
+    "--eye-width", "--renderer", "--record-pictures", "--restore-every", "--memory"};
+
+// Errors: nothing is drawn at a port. Behaviors that look choose the side on which they begin by the seed,
+// and so may plug-ins; faults of the line have chances.
+Result<void> check_seed(const CLI::App& verb, const std::string& behavior,
+                        const std::string& robot) {
+  if (verb.count("--seed") == 0 || verb.count("--faults") > 0 || behavior::names_plugin(behavior))
+    return {};
+  const auto known = behavior::find_behavior(behavior);
+  if (!known || known->needs_camera) return {};
+  return fail(Fault::usage, "--seed has no effect: " + behavior +
+                                " uses no random numbers, and a robot at a port has no " +
+                                "simulated noise; leave --seed out with --robot " + robot);
+}
+
+// Errors: an option was given that has no effect on this kind of robot.
+Result<void> check_given(const CLI::App& verb, const std::string& behavior,
+                         const std::string& robot) {
+  if (robot == "sim" && verb.count("--address") > 0)
+    return fail(Fault::usage,
+                "--address is only valid with a port, such as --robot serial:PATH; the virtual "
+                "board has address 1");
+  if (robot == "sim") return {};
+  for (const char* option : kVirtualOnly) {
+    if (verb.count(option) > 0)
+      return fail(Fault::usage, std::string(option) + " is for the virtual robot; leave " + option +
+                                    " out with --robot " + robot);
+  }
+  return check_seed(verb, behavior, robot);
+}
+
+// Errors: an option beside --options, which runs nothing.
+Result<void> check_alone(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option->count() > 0 && option->nonpositional() && option->get_name() != "--options")
+      return fail(Fault::usage,
+                  option->get_name() +
+                      " is not valid with --options, which only prints the options; leave " +
+                      option->get_name() + " or --options out");
+  }
+  return {};
+}
+
+// A behavior and its options.
+std::string behavior_text(const behavior::Behavior& behavior) {
+  std::string text = "  " + std::string(behavior.name) + ": " + std::string(behavior.text) + "\n";
+  for (const auto& option : behavior.options) {
+    text += "      " + std::string(option.name) + " (" + std::string(option.initial) + "; " +
+            behavior::valid_values(option) + "): " + std::string(option.text) + "\n";
+  }
+  return text;
+}
+
+constexpr const char* kExamples[] = {
+    "  kaz run search-ball\n",
+    "  kaz run track-ball --seed 3 --duration 12 --out three\n",
+    "  kaz run catch-ball --world catch --eyes real --imu --out caught\n",
+    "  kaz run navigate --goal 1.2,0.1 --world boxes --eyes real --imu --out there\n",
+    "  kaz run track-ball --robot serial:board --camera board.eyes     # port of kaz sim\n",
+    "  kaz run pose --view              # set joints and make poses in the browser\n",
+    "  kaz run play --poses wave.json\n",
+    "  kaz run ./wave.so --set times=2\n",
+    "  kaz run ./wave.so --options\n",
+    "  kaz run track-ball --robot serial:/dev/ttyUSB0 \\\n"
+    "      --camera v4l2:/dev/video0,/dev/video2 --calibration stereo.yml\n"};
+
+// Those of the behavior; of all, if null.
+std::string examples_of(const behavior::Behavior* behavior) {
+  std::string examples;
+  const std::string begin = behavior ? "  kaz run " + std::string(behavior->name) : "";
+  for (const std::string example : kExamples) {
+    if (example.starts_with(begin + " ") || example.starts_with(begin + "\n") || !behavior)
+      examples += example;
+  }
+  if (!examples.empty()) return examples;
+  if (behavior->options.empty()) return begin + "\n";
+  const behavior::Option& first = behavior->options.front();
+  return begin + " --set " + std::string(first.name) + "=" + std::string(first.initial) + "\n";
+}
+
+// Returns the end of the help text: the options of `behavior`, or the list of behaviors if it is null.
+std::string footer(const behavior::Behavior* behavior) {
+  std::string text;
+  if (behavior != nullptr) {
+    text = "The behavior and its options (--set NAME=VALUE), with default and valid values:\n" +
+           behavior_text(*behavior);
+  } else {
+    text = "Behaviors (`kaz run NAME --help` shows the options of a behavior):\n";
+    for (const auto& one : behavior::behaviors())
+      text += "  " + std::string(one.name) + ": " + std::string(one.text) + "\n";
+    text +=
+        "To write your own behavior, see docs/howto/own-behavior.md. A plug-in runs with your user "
+        "rights.\n";
+  }
+  return text +
+         "Options of the virtual robot, such as --world or --mcu, are not valid with a robot at a "
+         "port (--robot serial:PATH). With a robot at a port, the file in --faults can contain "
+         "only faults of the serial line. --robot-file describes the joints of a robot other than "
+         "Kaz, also at a port.\n"
+         "Examples:\n" +
+         examples_of(behavior);
+}
+
+}  // namespace
+
+void add_run(CLI::App& program, Action& action) {
+  auto* verb = program.add_subcommand("run", "run one behavior on a real or virtual robot");
+  auto arguments = std::make_shared<RunArguments>();
+  auto& session = arguments->session;
+  verb->add_option("BEHAVIOR", session.behavior,
+                   "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
+      ->required()
+      ->type_name("");
+  verb->add_option("--robot", session.backend.robot, kRobotText)
+      ->type_name("sim|PORT")
+      ->capture_default_str();
+  add_address(*verb, session.backend.address);
+  verb->add_option("--camera", session.backend.camera,
+                   "source of the pictures: sim, the path of a camera socket, or "
+                   "v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
+      ->type_name("CAMERA")
+      ->capture_default_str();
+  verb->add_option("--calibration", session.backend.calibration,
+                   "for v4l2 cameras: calibration file written by kaz calibrate stereo; the file "
+                   "also sets the size of the pictures")
+      ->type_name("FILE");
+  verb->add_option("--reconnect", session.backend.reconnect_s,
+                   "at a port: maximum time to reconnect after the link is lost")
+      ->check(between(0, 3600))
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  add_choice(*verb, "--when-lost", host::kReactions, session.backend.reaction,
+             "reaction of the board if no request arrives for 90 ms: keep the posture (hold), or "
+             "switch the motors off (limp)");
+  add_out(*verb, *arguments, "; without --out, no file is written");
+  add_duration(*verb, *arguments,
+               "the same as --set seconds=SECONDS, for " + timed_behaviors() +
+                   "; the other behaviors end by themselves");
+  verb->add_option("--goal", arguments->goal, "the same as --set goal=..., for navigate")
+      ->type_name("X,Y[,DEGREES]|ball");
+  verb->add_option(
+          "--poses", arguments->poses,
+          "file of poses for the behavior 'play' (see docs/howto/watch.md and `kaz run pose "
+          "--view`)")
+      ->type_name("FILE");
+  add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
+  auto list = std::make_shared<bool>(false);
+  verb->add_flag("--options", *list, "print the options of the behavior or plug-in, and exit");
+  verb->add_flag("--profile", session.profile,
+                 "measure the CPU time and waiting time of each part of the program; print a table "
+                 "and add the table to result.json");
+  add_run_options(*verb, *arguments);
+  verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
+  auto chosen = std::make_shared<std::optional<behavior::Behavior>>();
+  // Before --help is answered.
+  verb->get_option("BEHAVIOR")->each([chosen](const std::string& name) {
+    const auto known = behavior::find_behavior(name);
+    if (known && !behavior::names_plugin(name)) *chosen = *known;
+  });
+  verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
+  verb->get_option("--world")->default_str(
+      "world 'catch' for the behavior 'catch-ball', world 'boxes' for 'navigate', world 'ball' for "
+      "all other behaviors");
+  verb->callback([&action, arguments, verb, list] {
+    action = [arguments, verb, list]() -> Result<Outcome> {
+      if (*list) {
+        KAZ_TRY(check_alone(*verb));
+        const auto behavior = KAZ_TRY(behavior::named_behavior(arguments->session.behavior));
+        print_lines("%s", behavior_text(behavior).c_str());
+        return Outcome();
+      }
+      KAZ_TRY(check_given(*verb, arguments->session.behavior, arguments->session.backend.robot));
+      if (verb->count("--world") == 0)
+        arguments->session.backend.world = usual_world(arguments->session.behavior);
+      return run_behavior(*arguments);
+    };
+  });
+}
+
+}  // namespace kaz::tools

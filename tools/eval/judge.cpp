@@ -1,0 +1,360 @@
+// Looks at trunk and ball, and decides.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/eval/judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shared/base/angle.hpp"
+#include "shared/base/number_text.hpp"
+#include "sim/body/description/world_model.h"
+#include "tools/eval/scenario.h"
+
+namespace kaz::tools {
+namespace {
+
+constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
+constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
+constexpr double kLies = 60 * kDegree;
+// Of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting or lying.
+constexpr double kHigh_m = 0.11;
+constexpr double kLasting_s = 3;
+constexpr double kFound = 5 * kDegree, kTracked = 3 * kDegree, kTrackedShare = 0.9;
+// Where a ball lies before a hand, m from the ankles' midpoint: ahead, to either side, and how far off.
+constexpr double kReachAhead_m = 0.100, kReachAside_m = 0.047;
+constexpr double kReachOffAhead_m = 0.026, kReachOffAside_m = 0.027;
+constexpr double kDistanceShare = 0.1, kWalkHeading = 8 * kDegree, kTurned = 6 * kDegree;
+
+double yaw_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d ahead = pose.linear().col(0);
+  return std::atan2(ahead.y(), ahead.x());
+}
+
+double height_of(const std::optional<Eigen::Isometry3d>& pose) {
+  return pose ? pose->translation().z() : 0;
+}
+
+// Angle between directions, rad.
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+std::optional<Eigen::Isometry3d> pose_of(const sim::World& world, const char* link) {
+  const auto links = world.link_order();
+  if (std::ranges::find(links, link) == links.end()) return std::nullopt;
+  return world.link_pose(link);
+}
+
+// Names of a world's links have "::" or, where a model has one link, its name; those of the robot are of its
+// URDF.
+Truth::Touch touch_now(const sim::World& world) {
+  const auto links = world.link_order();
+  for (const sim::ContactPoint& contact : world.contacts()) {
+    for (const auto& [thing, by] : {std::pair{contact.a, contact.b}, {contact.b, contact.a}}) {
+      const bool robot = std::ranges::find(links, by) != links.end();
+      if (robot && thing.starts_with(kObstacleName)) return {thing, by, 0};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void Judge::watch_way(const Obstacle& thing, const std::string& name,
+                      const Eigen::Isometry2d& world_from_start) {
+  way_.emplace(thing, name);
+  start_from_world_ = world_from_start.inverse();
+}
+
+void Judge::watch_map(const std::vector<Obstacle>& obstacles,
+                      const Eigen::Isometry2d& world_from_start) {
+  map_.emplace(obstacles);
+  start_from_world_ = world_from_start.inverse();
+}
+
+void Judge::map(const behavior::MapReport& report) {
+  if (map_)
+    map_->compare(report,
+                  Eigen::Translation2d(forward_m(), aside_m()) * Eigen::Rotation2Dd(heading_));
+  if (way_) way_->plan(report.time, report.path);
+}
+
+void Judge::look(sim::Simulation& simulation) {
+  if (ended_) return;
+  sim::World& world = simulation.world();
+  if (options_.watches_touch && !start_) world.watch_contacts(true);
+  Truth truth{.time = simulation.time(),
+              .trunk = world.link_pose("trunk"),
+              .left_foot = pose_of(world, "l_ankle_pitch"),
+              .right_foot = pose_of(world, "r_ankle_pitch")};
+  if (simulation.has_eyes()) truth.left_eye = world.link_pose("left_eye");
+  if (world.measures_convergence()) truth.unconverged_steps = world.diagnostics().unconverged_steps;
+  if (options_.watches_touch && touch_.thing.empty()) truth.touch = touch_now(world);
+  truth.touch.at_s = seconds(truth.time);
+  if (way_) {
+    if (const auto thing = world.object_position(way_->name()); thing)
+      truth.moving = thing->head<2>();
+  }
+  if (const auto ball = world.object_position("ball"); ball) truth.ball = *ball;
+  if (map_ && simulation.has_eyes() && map_->looks_at(truth.time)) look_at_outlines(simulation);
+  look(truth);
+}
+
+void Judge::look_at_outlines(sim::Simulation& simulation) {
+  const sim::World& world = simulation.world();
+  // The eyes draw the same files: they can be read.
+  if (!own_) own_ = OwnBody::make(world.scene(), world.link_order()).value();
+  Eigen::Isometry3d start_from_world = Eigen::Isometry3d::Identity();
+  start_from_world.linear().topLeftCorner<2, 2>() = start_from_world_.linear();
+  start_from_world.translation().head<2>() = start_from_world_.translation();
+  own_->move(world.pose(), start_from_world);
+  map_->look(simulation.time(), start_from_world * world.link_pose("left_eye"),
+             simulation.camera().model(), &*own_);
+}
+
+void Judge::look(const Truth& truth) {
+  if (ended_) return;
+  last_ = truth;
+  if (!start_) {
+    start_ = truth.trunk;
+    last_yaw_ = yaw_of(truth.trunk);
+    left_foot_m_ = height_of(truth.left_foot);
+    right_foot_m_ = height_of(truth.right_foot);
+  }
+  if (!first_step_ && (height_of(truth.left_foot) > left_foot_m_ + sim::kFirstStep ||
+                       height_of(truth.right_foot) > right_foot_m_ + sim::kFirstStep))
+    first_step_ = truth.time;
+  const double up = truth.trunk.linear()(2, 2);
+  const bool upright = up > std::cos(kUpright);
+  // What a falling robot touches is not why it failed.
+  if (touch_.thing.empty() && !truth.touch.thing.empty() && upright) {
+    touch_ = truth.touch;
+    was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
+  }
+  if (way_ && truth.moving)
+    way_->look(truth.time, start_from_world_ * *truth.moving,
+               start_from_world_ * Eigen::Vector2d(truth.trunk.translation().head<2>()));
+  heading_ += std::remainder(yaw_of(truth.trunk) - last_yaw_, 2 * std::numbers::pi);
+  last_yaw_ = yaw_of(truth.trunk);
+  if (up < std::cos(kLies)) fell_ = true;
+  const auto since = [&](std::optional<Time>& begin, bool holds) {
+    if (!holds) begin.reset();
+    if (holds && !begin) begin = truth.time;
+  };
+  since(upright_since_, upright && truth.trunk.translation().z() > kHigh_m);
+  since(held_since_, truth.ball && truth.ball->z() >= options_.ball_radius_m + kClearOfFloor_m);
+  if (truth.ball && truth.left_eye) {
+    const Eigen::Vector3d seen = truth.left_eye->inverse() * *truth.ball;
+    gazes_.push_back({truth.time, angle_between(seen, Eigen::Vector3d::UnitZ()) <= kTracked});
+  }
+}
+
+std::optional<double> Judge::walked_s() const {
+  if (!first_step_) return std::nullopt;
+  return seconds(last_.time - *first_step_);
+}
+
+bool Judge::fell() const {
+  return options_.lies ? last_.trunk.linear()(2, 2) < std::cos(kLies) : fell_;
+}
+
+double Judge::forward_m() const {
+  return start_ ? (start_->inverse() * last_.trunk.translation()).x() : 0;
+}
+double Judge::aside_m() const {
+  return start_ ? (start_->inverse() * last_.trunk.translation()).y() : 0;
+}
+
+double Judge::tracked(double seconds_before) const {
+  if (gazes_.empty() || seconds_before <= 0) return 0;
+  const Time end = last_.time, begin = end - from_seconds(seconds_before);
+  Time near{};
+  for (std::size_t i = 0; i < gazes_.size(); ++i) {
+    const Time until = i + 1 < gazes_.size() ? gazes_[i + 1].time : end;
+    if (gazes_[i].near && until > begin) near += until - std::max(gazes_[i].time, begin);
+  }
+  return seconds(near) / seconds_before;
+}
+
+std::optional<Eigen::Vector3d> Judge::ball_direction() const {
+  if (!last_.ball || !last_.left_eye) return std::nullopt;
+  return (last_.trunk.linear().transpose() * (*last_.ball - last_.left_eye->translation()))
+      .normalized();
+}
+
+std::optional<Eigen::Vector2d> Judge::ball_from_feet_m() const {
+  if (!last_.ball || !last_.left_foot || !last_.right_foot) return std::nullopt;
+  const Eigen::Vector3d middle =
+      (last_.left_foot->translation() + last_.right_foot->translation()) / 2;
+  const Eigen::Vector2d ahead =
+      (last_.left_foot->linear().col(0) + last_.right_foot->linear().col(0)).head<2>().normalized();
+  const Eigen::Vector2d off = (*last_.ball - middle).head<2>();
+  return Eigen::Vector2d(off.dot(ahead), ahead.x() * off.y() - ahead.y() * off.x());
+}
+
+nlohmann::ordered_json Judge::json() const {
+  if (!start_) return nlohmann::ordered_json::object();  // nothing was seen
+  nlohmann::ordered_json json{{"fell", fell()},
+                              {"upright_s", upright_s()},
+                              {"forward_m", forward_m()},
+                              {"aside_m", aside_m()},
+                              {"heading_deg", heading_ / kDegree}};
+  if (!touched().empty())
+    json["touched"] = {{"thing", touch_.thing}, {"by", touch_.by}, {"at_s", touch_.at_s}};
+  if (way_) json["moving"] = way_->json();
+  if (map_) json["map"] = map_->json();
+  if (last_.unconverged_steps) json["unconverged_steps"] = *last_.unconverged_steps;
+  if (!last_.ball) return json;
+  json["held_s"] = held_s();
+  json["ball_m"] = {last_.ball->x(), last_.ball->y(), last_.ball->z()};
+  if (const auto ray = ball_direction()) {
+    json["ball_bearing_deg"] = std::atan2(ray->y(), ray->x()) / kDegree;
+    json["ball_elevation_deg"] = std::asin(std::clamp(ray->z(), -1.0, 1.0)) / kDegree;
+  }
+  if (const auto ball = ball_from_feet_m()) json["ball_from_feet_m"] = {ball->x(), ball->y()};
+  return json;
+}
+
+namespace {
+
+// "X,Y", "X,Y,DEGREES" or "ball".
+bool read_goal(const std::string& text, Task& task) {
+  if (text == "ball") return task.ball = true;
+  std::vector<double> numbers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = parse_number<double>(std::string_view(text).substr(begin, end - begin));
+    if (!number) return false;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  if (numbers.size() < 2 || numbers.size() > 3) return false;
+  task.goal = {numbers[0], numbers[1]};
+  if (numbers.size() == 3) task.goal_heading_rad = numbers[2] * kDegree;
+  return true;
+}
+
+// Where it went, against the goal; empty if it is there.
+std::string missed_goal(const Task& task, const Judge& judge) {
+  if (task.ball) return judge.held_s() < kLasting_s ? "not held" : "";
+  const Eigen::Vector2d at(judge.forward_m(), judge.aside_m());
+  if ((at - task.goal).norm() > kGoal_m) return "beside the goal";
+  if (!task.goal_heading_rad) return {};
+  const double off =
+      std::remainder(judge.heading_rad() - *task.goal_heading_rad, 2 * std::numbers::pi);
+  return std::abs(off) > kGoalHeading ? "heading" : "";
+}
+
+std::optional<double> measured(const Result<behavior::Outcome>& outcome, std::string_view name) {
+  if (!outcome) return std::nullopt;
+  for (const auto& [its, value] : outcome->measurements)
+    if (its == name) return value;
+  return std::nullopt;
+}
+
+std::string wrong_direction(const Result<behavior::Outcome>& outcome, const Judge& judge) {
+  const auto bearing = measured(outcome, "ball_bearing_deg"),
+             elevation = measured(outcome, "ball_elevation_deg");
+  const auto truth = judge.ball_direction();
+  if (!bearing || !elevation || !truth) return "no direction";
+  const double b = *bearing * kDegree, e = *elevation * kDegree;
+  const Eigen::Vector3d reported(std::cos(e) * std::cos(b), std::cos(e) * std::sin(b), std::sin(e));
+  return angle_between(reported, *truth) <= kFound ? "" : "wrong direction";
+}
+
+std::string out_of_reach(const Judge& judge) {
+  const auto ball = judge.ball_from_feet_m();
+  const bool in_reach = ball && std::abs(ball->x() - kReachAhead_m) <= kReachOffAhead_m &&
+                        std::abs(std::abs(ball->y()) - kReachAside_m) <= kReachOffAside_m;
+  return in_reach ? "" : "out of reach";
+}
+
+std::string missed_turn(const Task& task, const Judge& judge) {
+  return std::abs(judge.heading_rad() - task.angle_rad) > kTurned ? "heading" : "";
+}
+
+std::string missed_walk(const Task& task, const Judge& judge) {
+  const double off = judge.forward_m() - task.distance_m;
+  if (std::abs(off) > kDistanceShare * std::abs(task.distance_m)) return "distance";
+  return std::abs(judge.heading_rad()) > kWalkHeading ? "heading" : "";
+}
+
+using Claim = Result<behavior::Outcome>;
+
+// What is not as the task wants it; empty: nothing.
+struct Criterion {
+  const char* task;
+  std::string (*lacks)(const Task& task, const Claim& claim, const Judge& judge);
+};
+std::string not_upright(const Task&, const Claim&, const Judge& judge) {
+  return judge.upright_s() >= kLasting_s ? "" : "not upright";
+}
+constexpr Criterion kCriteria[] = {
+    {"approach-ball", [](const Task&, const Claim&, const Judge& j) { return out_of_reach(j); }},
+    {"catch-ball",
+     [](const Task&, const Claim&, const Judge& j) {
+       return std::string(j.held_s() >= kLasting_s ? "" : "not held");
+     }},
+    {"get-up", not_upright},
+    {"go-forward", [](const Task& t, const Claim&, const Judge& j) { return missed_walk(t, j); }},
+    {"navigate", [](const Task& t, const Claim&, const Judge& j) { return missed_goal(t, j); }},
+    {"search-ball",
+     [](const Task&, const Claim& claim, const Judge& j) { return wrong_direction(claim, j); }},
+    {"stand", not_upright},
+    {"track-ball",
+     [](const Task& t, const Claim&, const Judge& j) {
+       return std::string(j.tracked(t.seconds) >= kTrackedShare ? "" : "off the ball");
+     }},
+    {"turn-left", [](const Task& t, const Claim&, const Judge& j) { return missed_turn(t, j); }},
+    {"turn-right", [](const Task& t, const Claim&, const Judge& j) { return missed_turn(t, j); }}};
+
+const Criterion* criterion_of(const std::string& task) {
+  const auto found = std::ranges::find(kCriteria, task, [](const Criterion& c) { return c.task; });
+  return found == std::end(kCriteria) ? nullptr : found;
+}
+
+}  // namespace
+
+bool is_judged(const std::string& task) {
+  return criterion_of(task) != nullptr;
+}
+
+Result<Task> task_of(const std::string& name, const behavior::OptionValues& options) {
+  Task task{.name = name};
+  try {
+    if (name == "go-forward") task.distance_m = options.number("distance");
+    if (name == "track-ball") task.seconds = options.number("seconds");
+    if (name == "turn-left") task.angle_rad = options.number("angle") * kDegree;
+    if (name == "turn-right") task.angle_rad = -options.number("angle") * kDegree;
+    if (name == "navigate" && !read_goal(options.choice("goal"), task))
+      return fail(Fault::usage, "goal '" + options.choice("goal") +
+                                    "' cannot be judged: give X,Y or X,Y,DEGREES or ball");
+  } catch (const std::out_of_range& lacking) {
+    return fail(Fault::usage, "the behavior cannot be judged as " + name + ": " + lacking.what());
+  }
+  return task;
+}
+
+Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge) {
+  const Criterion* criterion = criterion_of(task.name);
+  Verdict verdict{.judged = criterion != nullptr, .claim = outcome && outcome->success};
+  const auto failed = [&verdict](const std::string& cause) {
+    verdict.cause = cause;
+    return verdict;
+  };
+  if (task.name == "navigate" && !judge.touched().empty())
+    return failed(judge.was_hit() ? "hit by a moving box" : "touched");
+  if (judge.fell()) return failed(task.name == "get-up" ? "lies" : "fell");
+  if (!outcome) return failed("error");
+  const std::string named = outcome->success         ? ""
+                            : outcome->cause.empty() ? "gave up"
+                                                     : outcome->cause;
+  const std::string lacking =
+      named == "error" || !criterion ? named : criterion->lacks(task, outcome, judge);
+  if (!lacking.empty()) return failed(named.empty() ? lacking : named);
+  verdict.success = true;
+  return verdict;
+}
+
+}  // namespace kaz::tools

@@ -1,0 +1,176 @@
+// Decides from the simulator's ground truth how an episode ended.
+// SPDX-License-Identifier: Apache-2.0
+//
+// Ground truth alone decides success. A behavior's claim of success is compared with the ground truth, but
+// does not decide. One number that a behavior reports is judged: the direction of search-ball. The judge uses
+// its own bounds and formulas, and no code of a behavior.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "tools/eval/map_truth.h"
+#include "tools/eval/way_watch.h"
+#include "tools/run/session.h"
+
+namespace kaz::tools {
+
+// Height of a ball's lowest point above which the ball counts as lifted.
+constexpr double kClearOfFloor_m = 0.02;
+
+// Ground truth at one time, in the world frame; m.
+struct Truth {
+  Time time{};
+  Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Vector3d> ball = {};
+  std::optional<Eigen::Isometry3d> left_eye = {};  // optical frame: x right, y down, z forward
+  // Frames at the ankles, x ahead.
+  std::optional<Eigen::Isometry3d> left_foot = {}, right_foot = {};
+  struct Touch {
+    // Thing: model of the touched object, "" without contact; by: link of the robot that touches it.
+    std::string thing, by;
+    double at_s = 0;
+  };
+  Touch touch = {};                            // contact with an object that stands on the floor
+  std::optional<Eigen::Vector2d> moving = {};  // position of the object given to watch_way()
+  std::optional<std::int64_t> unconverged_steps = {};
+};
+
+// Goal of an episode: the options of its behavior that the judge needs.
+struct Task {
+  // Name of a built-in behavior. For any other task the claim of the behavior decides success, unless the
+  // robot falls.
+  std::string name;
+  double distance_m = 0;  // option `distance` of go-forward
+  double angle_rad = 0;   // for turn-left and turn-right; positive to the left
+  double seconds = 0;     // option `seconds` of track-ball
+  bool ball = false;      // for navigate: the robot must hold the ball
+  // For navigate without ball: goal in m in the frame of the start, x ahead.
+  Eigen::Vector2d goal{0, 0};
+  std::optional<double> goal_heading_rad = {};
+};
+// Fails (usage) if a plug-in that is judged as `name` lacks an option that the judge needs.
+Result<Task> task_of(const std::string& name, const behavior::OptionValues& options);
+// Returns whether ground truth decides success of this task. This is true for the names of built-in
+// behaviors.
+bool is_judged(const std::string& task);
+
+struct JudgeOptions {
+  double ball_radius_m = 0.020;
+  bool watches_touch = false;  // records the first touch for touched(), which costs computing time
+  bool lies = false;           // the robot lies on the floor at the start and must get up
+};
+
+class Judge final : public Onlooker, public behavior::Sink {
+ public:
+  explicit Judge(const JudgeOptions& options) : options_(options) {}
+  // Watches the obstacle `thing`, which slides into the robot's way. `name`: model name of the obstacle.
+  // `world_from_start`: pose in the world of the frame in which `thing` is given.
+  void watch_way(const Obstacle& thing, const std::string& name,
+                 const Eigen::Isometry2d& world_from_start);
+  // Compares the behavior's maps with the true obstacles.
+  void watch_map(const std::vector<Obstacle>& obstacles, const Eigen::Isometry2d& world_from_start);
+  void look(sim::Simulation& simulation) override;
+  // Like the function above, for a simulator in another process.
+  void look(const Truth& truth);
+  void map(const behavior::MapReport& report) override;
+  // Call end() when the behavior has ended. Later calls of look() are ignored, because the motors are
+  // switched off then.
+  void end() { ended_ = true; }
+
+  // Returns whether the trunk was more than 60 degrees from upright at any time. For a robot that lay at the
+  // start, only the last look counts.
+  bool fell() const;
+  // Motion of the robot from the first look to the last. forward_m() and aside_m(): distances along and
+  // across the first heading, m. heading_rad(): turned angle.
+  double forward_m() const;
+  double aside_m() const;
+  double heading_rad() const { return heading_; }
+  // Returns the name of the first object on the floor that the robot touched before a fall; "" if there was
+  // no touch.
+  const std::string& touched() const { return touch_.thing; }
+  // Returns whether the first touched object was still sliding into the robot's way at the touch. In this
+  // case the object hit the robot.
+  bool was_hit() const { return was_hit_; }
+  // walked_s() returns the time in s from the robot's first step to the last look; nullopt before the first
+  // step. A step begins when an ankle has risen by sim::kFirstStep. watched_s() returns the time in s from
+  // the start of the simulation to the last look.
+  std::optional<double> walked_s() const;
+  double watched_s() const { return seconds(last_.time); }
+  // Time in s, up to the last look, during which a condition was true without interruption. held_s(): the
+  // ball was clear of the floor. upright_s(): the trunk was within 30 degrees of upright, and the trunk's
+  // origin above 0.11 m.
+  double held_s() const { return lasting_s(held_since_); }
+  double upright_s() const { return lasting_s(upright_since_); }
+  // Returns the share (0 to 1) of the last `seconds` during which the left eye's axis was within 3 degrees of
+  // the ball.
+  double tracked(double seconds) const;
+  // Returns the unit vector from the left eye to the ball at the last look, in the trunk's axes.
+  std::optional<Eigen::Vector3d> ball_direction() const;
+  // Returns the position of the ball relative to the midpoint of the ankles at the last look; x ahead, y
+  // left, m.
+  std::optional<Eigen::Vector2d> ball_from_feet_m() const;
+  nlohmann::ordered_json json() const;
+
+ private:
+  void look_at_outlines(sim::Simulation& simulation);
+  struct Gaze {
+    Time time{};
+    bool near = false;  // the axis of the eye is within 3 degrees of the ball
+  };
+  double lasting_s(const std::optional<Time>& since) const {
+    return since ? seconds(last_.time - *since) : 0;
+  }
+
+  JudgeOptions options_;
+  bool ended_ = false, fell_ = false;
+  Truth::Touch touch_;
+  bool was_hit_ = false;
+  std::optional<WayWatch> way_;
+  std::optional<MapTruth> map_;
+  std::optional<OwnBody> own_;  // set at the first look
+  Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
+  std::optional<Eigen::Isometry3d> start_;
+  Truth last_;
+  double heading_ = 0, last_yaw_ = 0;  // rad; heading_ counts full turns
+  std::optional<Time> held_since_, upright_since_, first_step_;
+  double left_foot_m_ = 0, right_foot_m_ = 0;  // heights of the ankles at the first look
+  // Each entry is valid until the time of the next entry.
+  std::vector<Gaze> gazes_;
+};
+
+// Result of an episode, and the claim of the behavior.
+struct Verdict {
+  bool success = false;
+  std::string cause = {};  // reason of the failure; empty for a success
+  // True: ground truth decided. False: the task is unknown, so the claim decided unless the robot fell.
+  bool judged = true;
+  bool claim = false;  // whether the behavior claims success
+};
+// Decides by ground truth. A robot that fell has failed. Otherwise success requires:
+// - search-ball: the reported direction is within 5 degrees of the true direction of the ball. The reported
+//   direction consists of `ball_bearing_deg` (positive to the left) and `ball_elevation_deg` (positive up),
+//   from the left eye, in the trunk's axes.
+// - track-ball: the left eye's axis is within 3 degrees of the ball for 90 % of the last seconds. The option
+//   `seconds` sets this time.
+// - approach-ball: the ball is within reach of a hand, 100 +- 26 mm ahead of the ankles and 47 +- 27 mm to
+//   the side.
+// - catch-ball: the ball is clear of the floor for the last 3 s.
+// - stand, get-up: the trunk is upright, and high enough (upright_s()), for the last 3 s.
+// - go-forward: the distance along the first heading is within 10 % of the option `distance`. The final
+//   heading is within 8 degrees of the first heading.
+// - turn-left, turn-right: the turned angle is within 6 degrees of the option `angle`.
+// - navigate: no obstacle was touched, and no sliding object hit the robot. The robot is within 5 cm of the
+//   goal, and within 10 degrees of the goal's heading, if there is one. If the ball is the goal, the ball is
+//   held as for catch-ball.
+// A behavior that ended with an error has failed. If the robot fell or touched an obstacle, the fall or the
+// touch is the cause of the failure. Otherwise the cause is the one that an unsuccessful behavior reports, or
+// else the unmet criterion. For tasks that are not listed, the behavior's claim decides.
+Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge);
+
+}  // namespace kaz::tools
