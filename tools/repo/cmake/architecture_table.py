@@ -73,7 +73,8 @@ def table():
         for folder, name, text, uses in entries:
             direct = [use for use in dict.fromkeys(uses) if not any(use in reached(other) for other in uses)]
             place = room if folder == "." else f"{room}/{folder}"
-            shown = place if place.endswith(f"/{name}") or place == name else f"{place}: {name}"
+            alone = name.removeprefix("tool_") in (place, folder)
+            shown = place if alone or place.endswith(f"/{name}") else f"{place}: {name}"
             lines.append(f"| `{shown}` | {text} | {', '.join(direct)} |")
     return "\n".join(lines)
 
