@@ -162,7 +162,9 @@ TEST_F(ServedPort, AClientThatHasLeftIsReadToItsEnd) {
     count = server->read(few, WallClock().now() + 50ms).value();
     all.append(few.begin(), few.begin() + count);
   }
-  EXPECT_EQ(all, "\xffabcdef");
+  EXPECT_EQ(all,
+            "\xff"
+            "abcdef");
 }
 
 // It dies with bytes unread, for example: its connection is reset, and the next write to it fails.

@@ -53,10 +53,14 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST(Gdb, FramesAndEscapes) {
   EXPECT_EQ(gdb_frame("OK"), "$OK#9a");  // 'O' + 'K' = 0x4f + 0x4b
-  EXPECT_EQ(gdb_frame("a}b#"), "$a}\x5db}\x03#1d");
+  EXPECT_EQ(gdb_frame("a}b#"),
+            "$a}\x5d"
+            "b}\x03#1d");
   GdbFraming framing;
   std::vector<GdbInput> got;
-  const std::string bytes = "+noise$a}\x5db}\x03#1d-\x03$OK#9b";
+  const std::string bytes =
+      "+noise$a}\x5d"
+      "b}\x03#1d-\x03$OK#9b";
   for (const char c : bytes) {
     const auto byte = static_cast<std::uint8_t>(c);
     framing.feed({&byte, 1}, got);
