@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "shared/base/number_text.hpp"
+#include "shared/base/one_line.hpp"
 
 namespace kaz::behavior {
 
@@ -56,7 +57,7 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
                                    [&, &key = name](const Option& o) { return o.name == key; });
     if (!known) {
       return fail(Fault::usage,
-                  "the behavior has no option `" + name + "`: " + known_names(options));
+                  "the behavior has no option `" + shown_text(name) + "`: " + known_names(options));
     }
   }
 
@@ -68,8 +69,8 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     if (!option.choices.empty()) {
       const bool text_option = option.is_valid != nullptr;
       if (text_option ? !option.is_valid(text) : !is_choice(option.choices, text)) {
-        return fail(Fault::usage, "`" + text + "` is not a value of the option `" + name +
-                                      "`: must be " + (text_option ? "" : "one of ") +
+        return fail(Fault::usage, "`" + shown_text(text) + "` is not a value of the option `" +
+                                      name + "`: must be " + (text_option ? "" : "one of ") +
                                       std::string(option.choices) +
                                       (text_option ? " (" + std::string(option.text) + ")" : ""));
       }
@@ -79,7 +80,7 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     const auto number = parse_number<double>(text);
     if (!number || *number < option.min || *number > option.max ||
         (option.whole && *number != std::floor(*number))) {
-      return fail(Fault::usage, "`" + text + "` is not a value of the option `" + name +
+      return fail(Fault::usage, "`" + shown_text(text) + "` is not a value of the option `" + name +
                                     "`: must be a " + (option.whole ? "whole number" : "number") +
                                     " from " + valid_values(option) + " (" +
                                     std::string(option.text) + ")");

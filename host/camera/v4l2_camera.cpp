@@ -14,6 +14,7 @@
 
 #include "host/link/wall_clock.h"
 #include "shared/base/number_text.hpp"
+#include "shared/base/one_line.hpp"
 
 namespace kaz::host {
 namespace {
@@ -36,7 +37,7 @@ Time half_interval(const V4l2Device& left, const V4l2Device& right) {
 
 Result<V4l2Source> parse_v4l2_source(const std::string& text) {
   const auto wrong = [&](const std::string& why) {
-    return fail(Fault::usage, text + ": " + why +
+    return fail(Fault::usage, shown_text(text) + ": " + why +
                                   "; give v4l2:LEFT,RIGHT[,fps=N][,format=yuyv|rgb24|mjpeg|grey], "
                                   "as in v4l2:/dev/video0,/dev/video2");
   };
@@ -58,13 +59,13 @@ Result<V4l2Source> parse_v4l2_source(const std::string& text) {
     if (part.starts_with("fps=")) {
       const auto rate = parse_number<double>(std::string_view(part).substr(4));
       if (!rate || *rate < 1 || *rate > 1000)
-        return wrong("'" + part + "': the rate must be 1 to 1000");
+        return wrong("'" + shown_text(part) + "': the rate must be 1 to 1000");
       source.rate_hz = *rate;
     } else if (part.starts_with("format=")) {
       source.format = pixel_format_by_name(std::string_view(part).substr(7));
-      if (!source.format) return wrong("'" + part + "' is not a supported format");
+      if (!source.format) return wrong("'" + shown_text(part) + "' is not a supported format");
     } else {
-      return wrong("'" + part + "' is unknown");
+      return wrong("'" + shown_text(part) + "' is unknown");
     }
   }
   return source;

@@ -68,6 +68,11 @@ inline std::string cut_text(std::string_view text, std::size_t max = 80) {
   return std::string(text.substr(0, end)) + "...";
 }
 
+// Returns `text` as one line of at most 200 bytes. For errors that quote an argument of the user.
+inline std::string shown_text(std::string_view text) {
+  return cut_text(one_line(text), 197);
+}
+
 }  // namespace kaz
 
 #endif

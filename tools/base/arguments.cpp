@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shared/base/one_line.hpp"
+
 namespace kaz::tools {
 
 namespace {
@@ -21,7 +23,7 @@ std::optional<servo_bus::Protocol> bus_protocol(std::string_view text) {
 
 Result<host::PortAddress> parse_port(const std::string& text) {
   if (names_servo_bus(text))
-    return fail(Fault::usage, "--robot " + text +
+    return fail(Fault::usage, "--robot " + shown_text(text) +
                                   ": a servo bus is not valid here; for servos use `kaz bus "
                                   "status`, `kaz bus scan` or `kaz monitor`");
   return host::parse_port_address("--robot", text);
@@ -34,7 +36,7 @@ Result<BusAddress> parse_bus(const std::string& text) {
   const auto parsed = host::parse_port_address("--robot", port);
   if (!parsed ||
       (parsed->kind != host::PortKind::serial && parsed->kind != host::PortKind::rfc2217))
-    return fail(Fault::usage, "--robot " + text +
+    return fail(Fault::usage, "--robot " + shown_text(text) +
                                   ": not a servo bus; give feetech:PATH[@BAUD] or "
                                   "dynamixel:PATH[@BAUD], such as feetech:/dev/ttyACM0, or "
                                   "feetech:rfc2217:HOST:PORT for a port on another machine");
@@ -48,13 +50,14 @@ Result<BusAddress> parse_one_bus(const std::string& text,
   BusAddress bus = KAZ_TRY(parse_bus(text));
   if (bus.protocol && protocol && bus.protocol != protocol)
     return fail(Fault::usage, "--bus " + std::string(servo_bus::name_of(*protocol)) + ": --robot " +
-                                  text + " uses another protocol; leave --bus out");
+                                  shown_text(text) + " uses another protocol; leave --bus out");
   if (!bus.protocol) bus.protocol = protocol;
   if (!bus.protocol)
-    return fail(Fault::usage, "--robot " + text + ": its protocol is missing; give feetech:" +
-                                  text + " or dynamixel:" + text);
+    return fail(Fault::usage, "--robot " + shown_text(text) +
+                                  ": its protocol is missing; give feetech:" + shown_text(text) +
+                                  " or dynamixel:" + shown_text(text));
   if (bus.port.baud != 0 && baud != 0 && bus.port.baud != baud)
-    return fail(Fault::usage, "--baud " + std::to_string(baud) + ": --robot " + text +
+    return fail(Fault::usage, "--baud " + std::to_string(baud) + ": --robot " + shown_text(text) +
                                   " has another rate; leave --baud out");
   if (bus.port.baud == 0)
     bus.port.baud = static_cast<int>(baud != 0 ? baud : servo_bus::factory_baud(*bus.protocol));
@@ -70,10 +73,12 @@ Result<std::map<std::string, std::string>> parse_settings(const std::vector<std:
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      return fail(Fault::usage, "--set " + text + ": give NAME=VALUE, as in --set seconds=20");
+      return fail(Fault::usage,
+                  "--set " + shown_text(text) + ": give NAME=VALUE, as in --set seconds=20");
     const std::string name = text.substr(0, equals);
     if (!settings.emplace(name, text.substr(equals + 1)).second)
-      return fail(Fault::usage, "--set " + text + ": " + name + " is set twice; give it once");
+      return fail(Fault::usage, "--set " + shown_text(text) + ": " + shown_text(name) +
+                                    " is set twice; give it once");
   }
   return settings;
 }
@@ -97,8 +102,8 @@ Result<Shard> parse_shard(const std::string& text) {
   int end = 0;
   if (text.size() > 20 || std::sscanf(text.c_str(), "%llu/%llu%n", &part, &parts, &end) != 2 ||
       end != static_cast<int>(text.size()) || part < 1 || part > parts)
-    return fail(Fault::usage,
-                "--shard " + text + ": give I/N, such as 1/4 for the first of four parts");
+    return fail(Fault::usage, "--shard " + shown_text(text) +
+                                  ": give I/N, such as 1/4 for the first of four parts");
   return Shard{part, parts};
 }
 

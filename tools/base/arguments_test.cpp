@@ -6,6 +6,8 @@
 
 #include <tuple>
 
+#include "host/camera/v4l2_camera.h"
+
 namespace kaz::tools {
 namespace {
 
@@ -28,6 +30,16 @@ TEST(Port, RefusesWhatIsNoBaudRate) {
     EXPECT_EQ(port.error().fault, Fault::usage);
     EXPECT_NE(port.error().message.find(text), std::string::npos);
   }
+}
+
+TEST(Arguments, LongTextsAreCutInErrors) {
+  const std::string text(5000, '\xb8');
+  EXPECT_LT(parse_port("feetech:" + text).error().message.size(), 400u);
+  EXPECT_LT(parse_bus("can:" + text).error().message.size(), 500u);
+  EXPECT_LT(parse_one_bus(text, {}, 0).error().message.size(), 700u);
+  EXPECT_LT(parse_settings({text}).error().message.size(), 300u);
+  EXPECT_LT(parse_shard(text).error().message.size(), 300u);
+  EXPECT_LT(host::parse_v4l2_source("v4l2:a,b," + text).error().message.size(), 700u);
 }
 
 TEST(Port, RefusesAServoBus) {

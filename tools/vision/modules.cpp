@@ -6,6 +6,7 @@
 #include <memory>
 #include <sstream>
 
+#include "shared/base/one_line.hpp"
 #include "vision/image/opencv_threads.h"
 
 namespace kaz::tools {
@@ -41,8 +42,8 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
     if (std::ranges::find(wanted, word) != wanted.end())
-      return fail(Fault::usage,
-                  "--modules " + list + " names '" + word + "' twice; name each module once");
+      return fail(Fault::usage, "--modules " + shown_text(list) + " names '" + shown_text(word) +
+                                    "' twice; name each module once");
     wanted.push_back(word);
   }
   if (wanted.empty()) wanted.emplace_back();
@@ -50,8 +51,8 @@ Result<std::vector<std::string>> parse_modules(const std::string& list) {
     const auto kind = std::find_if(std::begin(kKinds), std::end(kKinds),
                                    [&](const Kind& k) { return k.name == wanted[i]; });
     if (kind == std::end(kKinds))
-      return fail(Fault::usage,
-                  "--modules '" + wanted[i] + "': unknown module; use one of " + module_names());
+      return fail(Fault::usage, "--modules '" + shown_text(wanted[i]) +
+                                    "': unknown module; use one of " + module_names());
     const std::vector<std::string> needs = kind->make({})->needs();
     wanted.insert(wanted.end(), needs.begin(), needs.end());
   }
