@@ -9,8 +9,8 @@
 #include "host/link/interruptible.h"
 #include "host/robot/robot.h"
 #include "python/src/simulation.h"
-#include "tools/run/backend.h"
 #include "tools/lockstep/lockstep.h"
+#include "tools/run/backend.h"
 
 namespace kaz::python {
 namespace {

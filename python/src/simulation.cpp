@@ -9,8 +9,8 @@
 #include "shared/board/board.h"
 #include "shared/faults/faults.h"
 #include "sim/body/description/robot_model.h"
-#include "sim/runtime/time.h"
 #include "sim/render/camera.h"
+#include "sim/runtime/time.h"
 #include "tools/base/paths.h"
 #include "tools/run/backend.h"
 

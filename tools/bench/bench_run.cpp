@@ -31,8 +31,8 @@
 #include "tools/base/version.h"
 #include "tools/bench/bench_target.h"
 #include "tools/bench/fit_report.h"
-#include "tools/kept/kept_run.h"
 #include "tools/drawing/figure.h"
+#include "tools/kept/kept_run.h"
 
 namespace kaz::tools {
 namespace {

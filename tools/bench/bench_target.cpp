@@ -13,8 +13,8 @@
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/prompt.h"
 #include "tools/base/time_lost.h"
-#include "tools/run/line_recorder.h"
 #include "tools/lockstep/stand_backend.h"
+#include "tools/run/line_recorder.h"
 
 namespace kaz::tools {
 namespace {

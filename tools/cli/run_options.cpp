@@ -11,9 +11,9 @@
 #include "host/motion/pose_sequence.h"
 #include "shared/base/files.hpp"
 #include "tools/base/arguments.h"
+#include "tools/cli/options.h"
 #include "tools/run/balance_setting.h"
 #include "tools/vision/color_file.h"
-#include "tools/cli/options.h"
 
 namespace kaz::tools {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/run/session.h"
 #include "tools/cli/watch_options.h"
+#include "tools/run/session.h"
 
 namespace kaz::tools {
 

@@ -6,9 +6,9 @@
 #include "tools/base/arguments.h"
 #include "tools/calibrate/calibrate_bus.h"
 #include "tools/calibrate/calibrate_joints.h"
-#include "tools/vision/calibrate_stereo.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/vision/calibrate_stereo.h"
 
 namespace kaz::tools {
 namespace {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 
-#include "tools/compare/compare.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/compare/compare.h"
 
 namespace kaz::tools {
 

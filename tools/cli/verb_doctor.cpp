@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "tools/doctor/doctor.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/doctor/doctor.h"
 
 namespace kaz::tools {
 

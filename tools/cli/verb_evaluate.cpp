@@ -7,14 +7,14 @@
 #include "host/behavior/plugin.h"
 #include "tools/base/arguments.h"
 #include "tools/base/provenance.h"
+#include "tools/cli/options.h"
+#include "tools/cli/verbs.h"
+#include "tools/cli/watch_options.h"
 #include "tools/eval/campaign.h"
 #include "tools/eval/given_options.h"
 #include "tools/eval/hosts.h"
 #include "tools/eval/slurm.h"
 #include "tools/run/balance_setting.h"
-#include "tools/cli/options.h"
-#include "tools/cli/verbs.h"
-#include "tools/cli/watch_options.h"
 
 namespace kaz::tools {
 namespace {

@@ -6,10 +6,10 @@
 #include "sim/render/camera.h"
 #include "sim/render/sensor/sensor.h"
 #include "tools/base/output.h"
-#include "tools/sim/draw_eyes.h"
-#include "tools/drawing/figure.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/drawing/figure.h"
+#include "tools/sim/draw_eyes.h"
 
 namespace kaz::tools {
 

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "tools/base/paths.h"
-#include "tools/flash/flash.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/flash/flash.h"
 
 namespace kaz::tools {
 namespace {

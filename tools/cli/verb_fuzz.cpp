@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "tools/fuzz/campaign.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/fuzz/campaign.h"
 
 namespace kaz::tools {
 
@@ -79,8 +79,8 @@ void add_fuzz(CLI::App& program, Action& action) {
       "states inside the board is a feature, too. An example of such a combination is a shutdown "
       "while joints are at their limits and a request is queued. Kaz keeps each case that shows a "
       "new feature, and makes later cases by changing the kept cases.\n"
-      "Exit status: 0 no case failed; 1 a case failed; 2 wrong usage; 3 port error, or the result is "
-      "undecided.\n"
+      "Exit status: 0 no case failed; 1 a case failed; 2 wrong usage; 3 port error, or the result "
+      "is undecided.\n"
       "Examples:\n"
       "  kaz fuzz --seconds 60\n"
       "  kaz fuzz --target h8 --cases 200 --seed 7\n"

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "tools/mcu/compare.h"
-#include "tools/mcu/run.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
+#include "tools/mcu/compare.h"
+#include "tools/mcu/run.h"
 
 namespace kaz::tools {
 namespace {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
-#include "tools/monitor/monitor.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/cli/watch_options.h"
+#include "tools/monitor/monitor.h"
 
 namespace kaz::tools {
 

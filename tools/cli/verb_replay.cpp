@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/base/arguments.h"
 #include "tools/base/paths.h"
-#include "tools/film/film.h"
-#include "tools/replay/replay.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/cli/watch_options.h"
+#include "tools/film/film.h"
+#include "tools/replay/replay.h"
 
 namespace kaz::tools {
 

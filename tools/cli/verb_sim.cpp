@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "tools/sim/serve.h"
-#include "tools/sim/serve_bus.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/cli/watch_options.h"
+#include "tools/sim/serve.h"
+#include "tools/sim/serve_bus.h"
 
 namespace kaz::tools {
 namespace {

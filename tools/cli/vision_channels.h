@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "tools/vision/modules.h"
 #include "tools/viewer/view.h"
+#include "tools/vision/modules.h"
 
 namespace kaz::tools {
 

@@ -17,8 +17,8 @@
 #include "shared/protocol/messages.h"
 #include "sim/runtime/time.h"
 #include "tools/base/paths.h"
-#include "tools/run/line_recorder.h"
 #include "tools/lockstep/recorded_run.h"
+#include "tools/run/line_recorder.h"
 
 namespace kaz::tools {
 namespace {

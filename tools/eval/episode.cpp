@@ -12,8 +12,8 @@
 #include "host/behavior/plugin.h"
 #include "tools/base/paths.h"
 #include "tools/eval/learned_color.h"
-#include "tools/run/run_report.h"
 #include "tools/lockstep/calibrated_joints.h"
+#include "tools/run/run_report.h"
 
 namespace kaz::tools {
 namespace {

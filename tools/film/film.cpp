@@ -21,12 +21,12 @@
 #include "tools/base/output_file.h"
 #include "tools/base/paths.h"
 #include "tools/base/provenance.h"
+#include "tools/drawing/figure.h"
 #include "tools/film/film_encoder.h"
+#include "tools/lockstep/recorded_run.h"
 #include "tools/replay/recorded_backend.h"
 #include "tools/replay/recorded_poses.h"
 #include "tools/run/outside_view.h"
-#include "tools/drawing/figure.h"
-#include "tools/lockstep/recorded_run.h"
 
 namespace kaz::tools {
 namespace {

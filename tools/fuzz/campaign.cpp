@@ -29,8 +29,8 @@
 #include "tools/base/provenance.h"
 #include "tools/base/suggestion.h"
 #include "tools/base/time_lost.h"
-#include "tools/kept/kept_run.h"
 #include "tools/fuzz/engine_case.h"
+#include "tools/kept/kept_run.h"
 
 namespace kaz::tools {
 namespace {

@@ -12,8 +12,8 @@
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/output.h"
 #include "tools/base/provenance.h"
-#include "tools/run/live_camera.h"
 #include "tools/lockstep/replayed_board.h"
+#include "tools/run/live_camera.h"
 
 namespace kaz::tools {
 namespace {

@@ -23,10 +23,10 @@
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/paths.h"
 #include "tools/base/version.h"
+#include "tools/lockstep/lockstep.h"
 #include "tools/run/board_file.h"
 #include "tools/run/line_recorder.h"
 #include "tools/run/live_camera.h"
-#include "tools/lockstep/lockstep.h"
 #include "vision/calibration/calibration_file.h"
 
 namespace kaz::tools {

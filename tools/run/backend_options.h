@@ -11,8 +11,8 @@
 #include "host/robot/robot_types.h"
 #include "sim/board/sensor_file.h"
 #include "sim/mcu/mcu_kind.h"
-#include "sim/runtime/eyes/eye_kind.h"
 #include "sim/render/renderer_kind.h"
+#include "sim/runtime/eyes/eye_kind.h"
 
 namespace kaz::sim {
 class HandSource;

@@ -13,8 +13,8 @@
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/output.h"
 #include "tools/base/provenance.h"
-#include "tools/run/outside_view.h"
 #include "tools/drawing/figure.h"
+#include "tools/run/outside_view.h"
 
 namespace kaz::tools {
 namespace {

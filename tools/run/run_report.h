@@ -10,12 +10,12 @@
 #include "host/behavior/behavior.h"
 #include "host/link/link_statistics.h"
 #include "tools/base/output.h"
+#include "tools/drawing/figure.h"
 #include "tools/run/backend.h"
 #include "tools/run/run_lateness.h"
 #include "tools/run/run_profile.h"
 #include "tools/run/score.h"
 #include "tools/run/snapshots.h"
-#include "tools/drawing/figure.h"
 
 namespace kaz::tools {
 

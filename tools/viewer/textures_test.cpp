@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/picture/png.h"
-#include "sim/runtime/formats/ros_messages.h"
 #include "sim/render/model/texture.h"
+#include "sim/runtime/formats/ros_messages.h"
 
 namespace kaz::viewer {
 namespace {

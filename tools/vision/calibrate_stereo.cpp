@@ -13,8 +13,8 @@
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
-#include "tools/vision/picture_pairs.h"
 #include "tools/drawing/coverage.h"
+#include "tools/vision/picture_pairs.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/image/picture_file.h"
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "shared/base/files.hpp"
-#include "tools/vision/calibrate_stereo.h"
 #include "tools/drawing/figure.h"
+#include "tools/vision/calibrate_stereo.h"
 
 namespace kaz::tools {
 namespace {

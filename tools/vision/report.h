@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/base/output.h"
+#include "tools/drawing/figure.h"
 #include "tools/vision/modules.h"
 #include "tools/vision/picture_writer.h"
-#include "tools/drawing/figure.h"
 #include "vision/depth/swapped_cameras.h"
 
 namespace kaz::tools {

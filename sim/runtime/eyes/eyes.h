@@ -15,8 +15,8 @@
 #include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
 #include "sim/body/world/world.h"
-#include "sim/runtime/eyes/render_thread.h"
 #include "sim/render/sensor/real_eye.h"
+#include "sim/runtime/eyes/render_thread.h"
 #include "vision/calibration/calibration.h"
 #include "vision/image/frame.h"
 

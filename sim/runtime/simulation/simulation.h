@@ -24,6 +24,7 @@
 #include "sim/board/servo_board.h"
 #include "sim/body/world/world.h"
 #include "sim/mcu/mcu.h"
+#include "sim/render/renderer_kind.h"
 #include "sim/runtime/eyes/eye_kind.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/eyes/render_thread.h"
@@ -33,7 +34,6 @@
 #include "sim/runtime/simulation/serial_line.h"
 #include "sim/runtime/simulation/step_ratio.h"
 #include "sim/runtime/time.h"
-#include "sim/render/renderer_kind.h"
 #include "vision/image/frame.h"
 
 namespace kaz::sim {

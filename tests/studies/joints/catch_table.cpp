@@ -7,8 +7,8 @@
 
 #include "tools/base/paths.h"
 #include "tools/eval/judge.h"
-#include "tools/run/session.h"
 #include "tools/lockstep/calibrated_joints.h"
+#include "tools/run/session.h"
 
 namespace {
 

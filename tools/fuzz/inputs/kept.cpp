@@ -1,8 +1,8 @@
 // Notes of an interrupted run, for `kaz recover --from`.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/kept/kept_file.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
+#include "tools/kept/kept_file.h"
 
 namespace kaz::fuzz {
 

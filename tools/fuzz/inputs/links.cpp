@@ -11,9 +11,9 @@
 #include "host/link/wall_clock.h"
 #include "host/robot/robot.h"
 #include "shared/protocol/frame.h"
-#include "tools/run/board_file.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
+#include "tools/run/board_file.h"
 
 namespace kaz::fuzz {
 namespace {

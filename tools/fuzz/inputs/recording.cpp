@@ -5,13 +5,13 @@
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/simulation/hand_player.h"
 #include "tools/compare/comparison.h"
-#include "tools/replay/message_fields.h"
-#include "tools/replay/recorded_backend.h"
-#include "tools/replay/recorded_poses.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 #include "tools/lockstep/recorded_run.h"
 #include "tools/lockstep/replayed_board.h"
+#include "tools/replay/message_fields.h"
+#include "tools/replay/recorded_backend.h"
+#include "tools/replay/recorded_poses.h"
 
 namespace kaz::fuzz {
 namespace {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "tools/vision/color_file.h"
 #include "tools/fuzz/vision/targets.h"
+#include "tools/vision/color_file.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
 #include "vision/image/picture_file.h"
