@@ -44,8 +44,9 @@ std::string read_host(std::string_view text, PortAddress& address) {
     text = colon == std::string_view::npos ? std::string_view() : text.substr(colon);
   }
   if (host.empty()) return "the host is missing";
-  if (std::ranges::any_of(host,
-                          [](char c) { return c <= ' ' || c == '/' || c == '@' || c == 0x7f; }))
+  constexpr std::string_view kInvalid = "/@[]\x7f";
+  if (std::ranges::any_of(
+          host, [&](char c) { return c <= ' ' || kInvalid.find(c) != std::string_view::npos; }))
     return "the host name has invalid characters";
   if (!text.starts_with(':')) return "the port number is missing";
   const auto port = parse_number<int>(text.substr(1));
@@ -89,8 +90,8 @@ std::string read_place(std::string_view text, PortAddress& address) {
 
 std::string PortAddress::name() const {
   if (kind == PortKind::serial) {
-    // The bare path, unless it would be parsed as something else.
-    std::string text = names_port_kind(place) ? "serial:" + place : place;
+    // The bare path, unless it could be parsed as another kind of port or a servo bus, such as "feetech:a".
+    std::string text = place.find(':') < place.find('/') ? "serial:" + place : place;
     return place.find('@') == std::string::npos ? text : text + "@" + std::to_string(baud);
   }
   if (kind == PortKind::can) return "can:" + place;

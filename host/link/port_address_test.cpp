@@ -26,7 +26,8 @@ TEST(PortAddress, HasFourKinds) {
   EXPECT_EQ(read("serial:/dev/ttyUSB0").name(), "/dev/ttyUSB0");
   EXPECT_EQ(read("/dev/ttyUSB0@57600").baud, 57600);
   EXPECT_EQ(read("/dev/ttyUSB0@57600").name(), "/dev/ttyUSB0");
-  EXPECT_EQ(read("board:left").name(), "board:left") << "a path, as no kind has this name";
+  EXPECT_EQ(read("board:left").kind, PortKind::serial) << "a path, as no kind has this name";
+  EXPECT_EQ(read("board:left").name(), "serial:board:left");
   EXPECT_EQ(read("can:can0").kind, PortKind::can);
   EXPECT_EQ(read("can:can0").name(), "can:can0");
   EXPECT_EQ(read("tcp:bench:7000").tcp_port, 7000);
@@ -38,8 +39,8 @@ TEST(PortAddress, HasFourKinds) {
 
 TEST(PortAddress, ItsNameIsTheSamePort) {
   for (const char* text :
-       {"/dev/ttyUSB0", "board@left@9600", "serial:can:can0", "serial:tcp:a:1@9600@57600",
-        "can:can0", "tcp:[::1]:7000", "rfc2217:bench:7217"}) {
+       {"/dev/ttyUSB0", "board@left@9600", "serial:can:can0", "serial:feetech:a",
+        "serial:tcp:a:1@9600@57600", "can:can0", "tcp:[::1]:7000", "rfc2217:bench:7217"}) {
     const PortAddress port = read(text), again = read(port.name());
     EXPECT_EQ(again.kind, port.kind) << text;
     EXPECT_EQ(again.place, port.place) << text;
@@ -68,6 +69,7 @@ TEST(PortAddress, EachMistakeHasItsSentence) {
       {"tcp:[::1:7000", "the IPv6 address has no closing bracket"},
       {"rfc2217:a b:7000", "the host name has invalid characters"},
       {"rfc2217:a@b:7000@9600", "the host name has invalid characters"},
+      {"tcp:[[a]:7000", "the host name has invalid characters"},
   };
   for (const auto& [text, sentence] : kMistakes) {
     const auto address = parse_port_address("--robot", text);
