@@ -1,4 +1,4 @@
-// Records logs for servo_fit.h, in which a servo moves a pendulum of known weight.
+// Records a servo that moves a pendulum of known weight. servo_fit.h uses the logs.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The logs assume the control law duty = gain * (goal - position). So the recorder sets the servo's other

@@ -50,8 +50,8 @@ class ClockRelation {
   // Host time at which `tick` started. Requires known(). For ticks within 24 days of the latest exchange, the
   // wrap of the 32-bit counter is taken into account.
   Time host_time(std::uint32_t tick) const;
-  // Maximum error of host_time() for the tick of the latest exchange. The comment at the top of this file
-  // calls this error q.
+  // Maximum error of host_time() for the tick of the latest exchange: q in the comment at the top of this
+  // file.
   Time error_bound() const { return (high_ - low_) / 2; }
   // Number of empty intersections since construction.
   int restarts() const { return restarts_; }

@@ -1,4 +1,4 @@
-// Forward kinematics of eyes and feet, and the head angles that point an eye.
+// Forward kinematics of eyes and feet, and the head angles that point an eye at a target.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The link frames are defined in shared/robot/kaz/kaz.urdf. The origin of a link's frame is on the link's

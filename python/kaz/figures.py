@@ -165,7 +165,7 @@ class FloorMap:
 
 
 def planes_of(pair, eye):
-    """Returns disparity, labels of planes, and the floor's pixels (planes within 0.1 rad, 2 cm of z = 0)."""
+    """Returns disparity, labels of planes, and the pixels of level planes (0.1 rad) at z = 0 (2 cm)."""
     disparity = kaz.vision.DepthFinder().find(pair.left, pair.right, pair.camera)
     planes, label = kaz.vision.PlaneFinder().find(disparity, pair.camera)
     floor = [number for number, plane in enumerate(planes, 1) if eye[2, :3] @ plane["normal"] > math.cos(0.1)

@@ -18,8 +18,8 @@
 // Braking gain, drive per unit of rate. The brake reaches full drive at 4 rad/s above the allowed speed.
 #define KZ_BRAKE 204
 
-// Returns the excess of `rate` over the allowed rate; 0 if the rate is allowed. The joint moves toward a
-// limit that is `distance` (100 urad) away.
+// Returns the excess of `rate` over the allowed rate; 0 if the rate is allowed. `distance` is the
+// distance from the limit toward which the joint moves, unit 100 urad.
 static inline u16 kz_excess_rate(u16 distance, u16 rate) {
   distance = (u16)(distance + (distance < KZ_NEAR_LIMIT ? distance : KZ_NEAR_LIMIT));
   return (u16)(rate > distance ? rate - distance : 0);

@@ -25,7 +25,7 @@ void add_doctor(CLI::App& program, Action& action) {
       "doctor opens no serial port except the port in --robot, because some adapters reset the "
       "board when a program opens the port. Run kaz doctor as root to find devices that programs "
       "of other users hold open.\n"
-      "Exit status: 0 no finding is marked wrong, 1 a finding is marked wrong.\n"
+      "Exit status: 0 no finding has the mark `wrong`; 1 a finding has this mark.\n"
       "Examples:\n"
       "  kaz doctor\n"
       "  kaz doctor --robot serial:/dev/ttyUSB0\n"

@@ -392,10 +392,10 @@ void add_evaluate(CLI::App& program, Action& action) {
       if (arguments->campaign.behavior.empty())
         return fail(
             Fault::usage,
-            "BEHAVIOR is missing; give a behavior, as in kaz evaluate search-ball --out found");
+            "BEHAVIOR is missing; give a behavior, as in kaz evaluate search-ball --out results");
       if (arguments->campaign.out.empty())
         return fail(Fault::usage,
-                    "--out is missing; give a folder for the results, as in --out found");
+                    "--out is missing; give a folder for the results, as in --out results");
       return start(*arguments, *watch, given_options(*verb));
     };
   });

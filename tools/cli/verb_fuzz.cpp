@@ -68,8 +68,9 @@ void add_fuzz(CLI::App& program, Action& action) {
   verb->footer(
       "Kaz checks the replies of each board. With --target native or --target h8, Kaz also checks "
       "the motors in each tick. With --target h8, Kaz also computes each tick with the native "
-      "board. The outputs of the h8 board and of the native board must be equal. THE JOINTS OF A "
-      "ROBOT AT A PORT MOVE. A failing case is shortened and written to --out. After the last case "
+      "board. The outputs of the h8 board and of the native board must be equal. IF THE BOARD IS "
+      "AT A PORT, ITS JOINTS MOVE. A failing case is shortened and written to --out. After the "
+      "last case "
       "or after Ctrl-C, Kaz restores the settings of a board at a port. If the run was killed, use "
       "the command `kaz recover` to restore the settings. Each case chooses its own faults of "
       "line, power and sensors (docs/reference/simulator.md). The page docs/howto/fuzzing.md lists "

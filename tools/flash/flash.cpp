@@ -31,11 +31,11 @@ Result<void> check_running(FlashSession& session, Answer& answer,
       return fail(elsewhere->fault, "the firmware was written and verified; " + elsewhere->message);
   }
   if (!excuse.empty())
-    return fail(Fault::environment,
-                "the firmware was written and verified; it is undecided whether the firmware runs, "
-                "because " +
-                    excuse + ": end other programs, then `kaz status " +
-                    host::robot_option(session.port()) + "`");
+    return fail(
+        Fault::environment,
+        "the firmware was written and verified, but nothing shows whether the firmware runs: " +
+            excuse + ": end other programs, then `kaz status " +
+            host::robot_option(session.port()) + "`");
   if (board && board->image_crc == identity.crc) {
     answer.runs(*board);
     return {};
@@ -152,9 +152,9 @@ Result<void> run(FlashSession& session, Answer& answer) {
     return fail(elsewhere->fault, "the board was started; " + elsewhere->message);
   if (!excuse.empty())
     return fail(Fault::environment,
-                "the board was started; it is undecided whether the firmware runs, because " +
-                    excuse + ": end other programs, then `kaz status " +
-                    host::robot_option(session.port()) + "`");
+                "the board was started, but nothing shows whether the firmware runs: " + excuse +
+                    ": end other programs, then `kaz status " + host::robot_option(session.port()) +
+                    "`");
   return fail(Fault::failed,
               host::text_of(
                   {"the board was started, but no Kaz firmware answers",

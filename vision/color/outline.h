@@ -26,7 +26,7 @@ std::vector<OutlinePoint> outline_of(const Region& region, int width, int height
 
 // Moves a point along the line from the inner pixel to the outer pixel. Returns the moved point, where the
 // region's color changes to the background's color. The inner and the outer pixel may be mixtures of these
-// colors. The position of the moved point is computed from the share of the region's color in each mixture.
+// colors. The new position is computed from the share of the region's color in these two pixels.
 // Returns the point unchanged if the point is too close to the picture's edge, or the contrast is too low.
 OutlinePoint refined(const Image& image, const OutlinePoint& point);
 

@@ -19,8 +19,8 @@ class ContactModel {
   // A link of `robot` does not collide with the three nearest ancestors of the link.
   explicit ContactModel(const RobotModel& robot);
 
-  // Adds the collision shapes of one link, except meshes. `body` is the number of the link in calls of
-  // Contacts::place(), or -1 if the link is fixed in the world at `pose`.
+  // Adds the collision shapes of one link, except meshes. Contacts::place() uses the number
+  // `body` for this link. If the link is fixed in the world at `pose`, `body` is -1.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
   void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);

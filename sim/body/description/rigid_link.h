@@ -12,7 +12,8 @@
 namespace kaz::sim {
 
 // Contact parameters of a shape. A contact between two shapes has the smaller mu of the two shapes and the
-// sum of the two softnesses. The contact also has the larger rolling resistance and the larger restitution.
+// sum of the two softnesses. The contact also has the larger of the two rolling resistances, and the larger
+// of the two restitutions.
 // The bounce threshold is the threshold of the shape with the larger restitution.
 struct Surface {
   double mu = 1.0;                // Coulomb friction coefficient

@@ -33,7 +33,7 @@ class BodySleep {
     for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].left_s = other.bodies_[i].left_s;
   }
 
-  // Archives the remaining time until sleep of each body, in the order of add().
+  // Archives, for each body in the order of add(), the time until the body sleeps.
   template <class A>
   void transfer(A& a) {
     for (Sleeper& sleeper : bodies_) a(sleeper.left_s);

@@ -46,8 +46,8 @@ inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
 inline constexpr std::uint32_t kIo = 0x1e50;  // I/O registers, before and after the short RAM
 inline constexpr std::uint32_t kIoSize = 0x1b0;
-// Layout of Cpu::code, in entries: flash, then the two RAM windows. After each of these regions there is a
-// gap of entries that raise a fault.
+// Layout of Cpu::code, in entries: flash, then the two RAM windows. Behind each of these regions are kGap
+// entries that raise a fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;

@@ -40,8 +40,8 @@ class GdbServer {
   // Removes and returns the bytes to send to GDB.
   std::string take_output();
 
-  // Returns true after GDB has resumed the chip. Call run(states) while running() is true, and pass bytes
-  // that arrive in the meantime to feed().
+  // Returns whether GDB has resumed the chip. While running() is true, call run(states), and pass new bytes
+  // to feed().
   bool running() const { return running_; }
   void run(States states);
   // Returns whether GDB has killed the program or detached.

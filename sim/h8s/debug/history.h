@@ -79,7 +79,7 @@ class History final : public InputLog {
   // Returns whether the time of the chip is before end(). If true, the next run replays the record.
   bool replaying() const;
 
-  // Runs until `until` or a trigger.
+  // Runs to the time `until`, or to the first trigger before it.
   Halt run_until(States until, const Triggers& triggers = {});
   // Runs one step, like Chip::step.
   Halt step();

@@ -7,7 +7,7 @@
 namespace kaz::sim {
 
 enum class Shadow {
-  none,  // no samples of the shadow map, for parts of the picture that contain no shadow
+  none,  // for parts of the picture without shadows: the shadow map is not read
   hard,  // one sample of the shadow map, for the eyes
   soft,  // twelve samples of the shadow map, for supersampled pictures
 };
