@@ -24,7 +24,7 @@ class Affected(unittest.TestCase):
 
     def test_programs_that_are_linked_with_a_file_and_that_start_kaz(self):
         labels = set(self.labels("--all", "host/behavior/options.cpp"))
-        self.assertLessEqual({"behavior", "app", "catching", "cli", "navigate"}, labels)
+        self.assertLessEqual({"behavior", "tools", "catching", "cli", "navigate"}, labels)
         self.assertFalse({"h8s", "vision", "link"} & labels)
 
     def test_the_tests_of_a_test_file(self):

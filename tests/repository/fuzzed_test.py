@@ -12,7 +12,8 @@ import unittest
 
 ROOT = pathlib.Path(sys.argv.pop(1))
 FUZZED = pathlib.Path(__file__).with_name("fuzzed.py")
-FOLDERS = ("shared", "sim", "host", "hil", "vision", "tools", "firmware", "python", "examples", "docs/howto")
+FOLDERS = ("shared", "sim", "host", "hil", "vision", "tools", "firmware", "python", "examples",
+           "docs/results")
 
 # The code, and what fuzzed.py says the file reads by.
 PLANTED = {

@@ -322,6 +322,14 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
     arguments.coverage =
         std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
   const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
+  for (const auto& pair : pairs) {
+    for (const std::string& input : {pair.left, pair.right}) {
+      std::error_code none;
+      if (std::filesystem::equivalent(arguments.coverage, input, none))
+        return fail(Fault::usage, "--coverage " + arguments.coverage +
+                                      ": is a picture of the calibration; give another file");
+    }
+  }
   auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
   auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage"));
   Outputs outputs{std::move(calibration), std::move(coverage)};

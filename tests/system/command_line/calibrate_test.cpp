@@ -92,11 +92,12 @@ TEST(Calibrate, PhotographsOfAChessboardToUnderHalfAPixel) {
   const auto coverage = vision::read_picture(folder / "stereo.coverage.png");
   ASSERT_TRUE(coverage) << coverage.error().message;
 
-  // Its own files are replaced, pictures of others are not.
+  // Its results are replaced, its pictures are not.
   fs::create_directory(folder / "some");
   copy_pairs(folder / "some", {"01"});
   const auto before = fs::file_size(folder / "some/left01.jpg");
-  EXPECT_EQ(calibrate(kPictures, out, {"--coverage", folder / "some/left01.jpg"}).exit_code, 2);
+  EXPECT_EQ(calibrate(folder / "some", out, {"--coverage", folder / "some/left01.jpg"}).exit_code,
+            2);
   EXPECT_EQ(fs::file_size(folder / "some/left01.jpg"), before);
   EXPECT_EQ(calibrate(kPictures, out).exit_code, 0);
 

@@ -49,7 +49,7 @@ def constant_rows(constants):
 def dissector(root):
     blocks = {"MESSAGES": message_rows(read_messages(root)),
               "CONSTANTS": constant_rows(all_constants(root))}
-    path = os.path.join(root, "tools", "gen", "dissector.lua.in")
+    path = os.path.join(root, "tools", "repo", "gen", "dissector.lua.in")
     with open(path, encoding="utf-8") as source:
         text = source.read()
     for name, rows in blocks.items():
