@@ -1,4 +1,4 @@
-// Files that grow beside their place, and folders of results with mark and lock.
+// Output files with the name PATH.part until they are complete, and folders of results.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/base/output_file.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What with_saved_files() lists.
+// Files that with_saved_files() lists.
 std::vector<std::string> g_saved;
 std::vector<std::pair<std::string, OutputKind>> g_folders;
 
