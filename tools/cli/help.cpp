@@ -104,6 +104,17 @@ HelpFormatter::HelpFormatter() {
   label("SUBCOMMAND", "VERB");
 }
 
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
+                                     CLI::AppFormatMode mode) const {
+  // A hidden group leaves an empty line.
+  return CLI::detail::find_and_replace(Formatter::make_help(app, name, mode), "\n\n\n", "\n\n");
+}
+
+std::string HelpFormatter::make_group(std::string group, bool is_positional,
+                                      std::vector<const CLI::Option*> options) const {
+  return group == kHiddenGroup ? "" : Formatter::make_group(group, is_positional, options);
+}
+
 std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const {
   return two_columns(positional ? option->get_name(true) : typed_form(*option),
                      option_text(*option));

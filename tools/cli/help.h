@@ -22,10 +22,17 @@ struct Footer {
 };
 Footer footer_of(const CLI::App& app);
 
+// Group of the options that a help does not show. CLI11's errors do not name options of the group "".
+inline constexpr const char* kHiddenGroup = "hidden";
+
 // Set this formatter for the program; the verbs inherit it from the program.
 class HelpFormatter final : public CLI::Formatter {
  public:
   HelpFormatter();
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override;
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override;
   std::string make_option(const CLI::Option* option, bool is_positional) const override;
   std::string make_subcommand(const CLI::App* verb) const override;
   std::string make_description(const CLI::App* app) const override;

@@ -10,6 +10,7 @@
 #include "host/behavior/behavior.h"
 #include "host/behavior/plugin.h"
 #include "tools/base/output.h"
+#include "tools/cli/help.h"
 #include "tools/cli/options.h"
 #include "tools/cli/run_options.h"
 #include "tools/cli/verbs.h"
@@ -17,15 +18,7 @@
 namespace kaz::tools {
 namespace {
 
-std::string behavior_names() {
-  std::string names;
-  for (const auto& behavior : behavior::behaviors()) {
-    names += (names.empty() ? "" : ", ") + std::string(behavior.name);
-  }
-  return names;
-}
-
-// Which behaviors have the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
+// Returns the behaviors with the option `seconds`, and its range in each: "track-ball (0.1 to 86400)".
 std::string timed_behaviors() {
   std::string list;
   for (const auto& behavior : behavior::behaviors()) {
@@ -95,6 +88,23 @@ std::string behavior_text(const behavior::Behavior& behavior) {
   return text;
 }
 
+// Options that set an option of some behaviors. The help shows them only for these behaviors.
+struct Shortcut {
+  const char *option, *sets;
+};
+constexpr Shortcut kShortcuts[] = {
+    {"--duration", "seconds"}, {"--goal", "goal"}, {"--poses", "poses"}};
+
+// `shown`: group of the options that the help shows. Null: no behavior was named.
+void show_shortcuts(CLI::App& verb, const behavior::Behavior* behavior, const std::string& shown) {
+  for (const auto& [option, sets] : kShortcuts) {
+    const bool has =
+        behavior != nullptr &&
+        std::ranges::count(behavior->options, std::string_view(sets), &behavior::Option::name) > 0;
+    verb.get_option(option)->group(has ? shown : kHiddenGroup);
+  }
+}
+
 constexpr const char* kExamples[] = {
     "  kaz run search-ball\n",
     "  kaz run track-ball --seed 3 --duration 12 --out three\n",
@@ -152,7 +162,7 @@ void add_run(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<RunArguments>();
   auto& session = arguments->session;
   verb->add_option("BEHAVIOR", session.behavior,
-                   "one of: " + behavior_names() + "; or a plug-in, ./NAME.so")
+                   "name of a behavior, or a plug-in such as ./NAME.so")
       ->required()
       ->type_name("");
   verb->add_option("--robot", session.backend.robot, kRobotText)
@@ -195,11 +205,15 @@ void add_run(CLI::App& program, Action& action) {
                  "and add the table to result.json");
   add_run_options(*verb, *arguments);
   verb->get_option("--record-pictures")->needs("--out");  // else there is no recording
+  const std::string shown = verb->get_option("--robot")->get_group();
+  show_shortcuts(*verb, nullptr, shown);
   auto chosen = std::make_shared<std::optional<behavior::Behavior>>();
   // Before --help is answered.
-  verb->get_option("BEHAVIOR")->each([chosen](const std::string& name) {
+  verb->get_option("BEHAVIOR")->each([verb, chosen, shown](const std::string& name) {
     const auto known = behavior::find_behavior(name);
-    if (known && !behavior::names_plugin(name)) *chosen = *known;
+    if (!known || behavior::names_plugin(name)) return;
+    *chosen = *known;
+    show_shortcuts(*verb, &**chosen, shown);
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
   verb->get_option("--world")->default_str(

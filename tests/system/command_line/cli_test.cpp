@@ -93,15 +93,19 @@ TEST(Cli, HelpOfARunDescribesTheNamedBehavior) {
     return text.find(part) != std::string::npos;
   };
   const std::string all = help({});
+  EXPECT_LT(std::ranges::count(all, '\n'), 130);
+  EXPECT_FALSE(has(all, "\n\n\n")) << all;
   EXPECT_TRUE(has(all, "`kaz run NAME --help` shows the options of a behavior")) << all;
   EXPECT_TRUE(has(all, "\n  navigate: map the floor")) << all;
-  EXPECT_FALSE(has(all, "planner")) << all;
+  for (const char* of_some : {"planner", "  --goal", "  --poses", "  --duration"})
+    EXPECT_FALSE(has(all, of_some)) << of_some;
   const std::string navigate = help({"navigate"});
   for (const char* part : {"planner (grid; grid|ompl)", "  --goal ", "  --duration ", "  --robot ",
                            "kaz run navigate --goal"})
     EXPECT_TRUE(has(navigate, part)) << part << "\n" << navigate;
-  for (const char* part : {"catch-ball: find", "kaz run search-ball"})
+  for (const char* part : {"--poses", "catch-ball: find", "kaz run search-ball"})
     EXPECT_FALSE(has(navigate, part)) << part << "\n" << navigate;
+  EXPECT_TRUE(has(help({"play"}), "  --poses FILE"));
   // Without an example in the help of all, one is made.
   EXPECT_TRUE(has(help({"turn-left"}), "  kaz run turn-left --set angle=45\n"));
   EXPECT_TRUE(has(help({"get-up"}), "attempts (3; 1 to 10)"));
