@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 // Files that with_saved_files() lists.
 std::vector<std::string> g_saved;
 std::vector<std::pair<std::string, OutputKind>> g_folders;
+std::vector<std::string> g_command_words;
 
 constexpr std::string_view kMarkStart = "kaz-results 1\nkind ";
 
@@ -46,6 +47,15 @@ Result<void> test_write(int fd, const std::string& path, std::size_t bytes) {
   if (size >= 0 && (::ftruncate(fd, size) != 0 || ::lseek(fd, size, SEEK_SET) < 0) && written)
     written = write_failure(path, "write", errno);
   return written;
+}
+
+// Returns whether two words of the command line name this file.
+bool is_named_twice(const std::string& path) {
+  return std::ranges::count_if(g_command_words, [&](const std::string& word) {
+           std::error_code none;
+           const auto value = word.starts_with("--") ? word.find('=') + 1 : 0;
+           return fs::equivalent(word.substr(value), path, none);
+         }) > 1;
 }
 
 // The process with a flock() on the file; 0: none is listed. A line: "1: FLOCK  ADVISORY  WRITE 4711
@@ -136,6 +146,10 @@ Error with_saved_files(Error error) {
   return error;
 }
 
+void set_command_words(std::vector<std::string> words) {
+  g_command_words = std::move(words);
+}
+
 OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(target_, other.target_);
@@ -180,6 +194,8 @@ Result<OutputFile> OutputFile::open(const std::string& path, const std::string& 
     return refused(option, path, std::strerror(errno));
   if (existing == Existing::keep && fs::exists(status) && fs::file_size(path, error) != 0)
     return refused(option, path, "the file exists already");
+  if (fs::exists(status) && is_named_twice(path))
+    return refused(option, path, "another argument of the command names the same file");
   const std::string target = link ? fs::canonical(path, error).string() : path;
   const fs::path folder = fs::absolute(target, error).parent_path();
   if (!fs::is_directory(folder, error))

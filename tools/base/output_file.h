@@ -20,6 +20,10 @@ namespace kaz::tools {
 // unchanged.
 Error with_saved_files(Error error);
 
+// Sets the arguments of the command line. OutputFile::open() then refuses a file that two of the arguments
+// name, because one of them may be an input.
+void set_command_words(std::vector<std::string> words);
+
 // Action for a file that exists and is not empty. Use `keep` if the lost content could not be made again.
 enum class Existing { replace, keep };
 
@@ -29,7 +33,8 @@ enum class Existing { replace, keep };
 class OutputFile {
  public:
   // `option` names the file in errors: "--json". Errors:
-  // - usage: the file cannot be created, must be kept, or would be in a folder of results (OutputFolder).
+  // - usage: the file cannot be created, must be kept, is named by another argument of the command line, or
+  //   would be in a folder of results (OutputFolder).
   // - environment: another process writes the file, or the disk is full.
   static Result<OutputFile> open(const std::string& path, const std::string& option,
                                  Existing existing = Existing::replace);

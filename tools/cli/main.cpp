@@ -110,6 +110,7 @@ int parse_and_run(int argc, char** argv) {
                  what.ends_with('?') ? " See" : "; see", name.c_str());
     return kUsage;
   };
+  kaz::tools::set_command_words({argv + 1, argv + argc});
   try {
     program.parse(reversed_words(argc, argv));
   } catch (const CLI::Success& success) {  // --help, --version

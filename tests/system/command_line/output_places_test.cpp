@@ -194,6 +194,29 @@ TEST(OutputPlaces, AFileIsReplacedByACompleteOne) {
 }
 
 // Flash contents and failing cases cannot be made again, and a board's memory is read first.
+TEST(OutputPlaces, AnInputIsNotReplaced) {
+  const TemporaryFolder folder;
+  int refusals = 0;
+  for (const Words& command : file_options(folder)) {
+    for (const std::string& input : {folder / "loop.bin", folder / "red.ppm"}) {
+      if (std::ranges::count(command, input) == 0) continue;
+      const std::string before = read_file(input);
+      fs::remove(folder / "link");
+      fs::create_symlink(input, folder / "link");
+      for (const std::string& output : {input, folder / "link"}) {
+        const Finished refused = with_file(command, output);
+        EXPECT_EQ(refused.exit_code, 2) << refused.err;
+        EXPECT_NE(refused.err.find("another argument of the command names the same file"),
+                  std::string::npos)
+            << refused.err;
+        EXPECT_EQ(read_file(input), before);
+        ++refusals;
+      }
+    }
+  }
+  EXPECT_EQ(refusals, 12);
+}
+
 TEST(OutputPlaces, AFileThatCannotBeMadeAgainIsKept) {
   const TemporaryFolder folder;
   const std::string path = folder / "mine";
