@@ -15,6 +15,7 @@ import math
 import os
 import pathlib
 import sys
+import tempfile
 import threading
 import time
 
@@ -173,15 +174,6 @@ def planes_of(pair, eye):
     return disparity, label, numpy.isin(label, floor)
 
 
-def red_pixels(picture):
-    """Selects the red ball's hue, with the default thresholds of the robot's color module."""
-    y, i, q = numpy.moveaxis(picture @ numpy.array([[0.299, 0.596, 0.211], [0.587, -0.274, -0.523],
-                                                    [0.114, -0.322, 0.312]]), -1, 0)
-    low, middle, high = (math.radians(angle) for angle in (5.5, 19.5, 33.5))
-    return ((y >= 14) & (q * math.cos(low) >= i * math.sin(low)) & (q * math.cos(high) <= i * math.sin(high))
-            & (i * math.cos(middle) + q * math.sin(middle) >= 0.4 * y))
-
-
 def matrix(pose, place="position", turn="orientation"):
     """Returns the matrix of a recorded pose that is turned about the vertical axis only."""
     yaw = 2 * math.atan2(pose[turn]["z"], pose[turn]["w"])
@@ -228,14 +220,17 @@ def figure3(run):
                 disparity = kaz.vision.DepthFinder().find(pair.left, pair.right, pair.camera)
                 flow = find_flow(before.left, pair.left, pair.camera)
                 if (disparity > 0).mean() >= 0.3 and numpy.isfinite(flow[..., 0]).mean() >= 0.3:
-                    best, best_score = (pair, 1000 * (pair.time - before.time), ball, disparity, flow), score
+                    moved_px, interval_ms = math.hypot(right, down), 1000 * (pair.time - before.time)
+                    best, best_score = (pair, interval_ms, ball, moved_px, disparity, flow), score
         before, ball_before = pair, ball
     if best is None:
         raise Missing("no picture of the run has the ball in motion, depth and optical flow at once")
-    pair, interval_ms, ball, disparity, flow = best
+    pair, interval_ms, ball, moved_px, disparity, flow = best
     run.restart()
     list(run.frames(pair.time))
-    outside, mask = run.outside().copy(), red_pixels(pair.left)
+    detector = kaz.vision.BallDetector()
+    detector.find(pair.left, pair.camera)
+    outside, mask = run.outside().copy(), detector.mask()
     height, width = mask.shape
     outside[12:12 + height, 1256 - 2 * width:1256 - width] = pair.left
     outside[12:12 + height, 1268 - width:1268] = pair.right
@@ -257,6 +252,7 @@ def figure3(run):
                  (draw_depth, "(C) depth: red 0.2 m, green 0.8 m, blue 3 m, black unknown"),
                  (draw_flow, f"(D) optical flow of {interval_ms:.0f} ms, arrows twice as long")], 2, 9.4), {
         "exposure_s": pair.time, "ball_distance_m": ball["distance_m"], "ball_radius_px": ball["radius_px"],
+        "ball_moved_px": moved_px,
         "ball_pixels": int(mask.sum()), "depth_known": float((disparity > 0).mean()),
         "flow_known": float(numpy.isfinite(flow[..., 0]).mean())}
 
@@ -340,16 +336,23 @@ def figure6(run):
     fill(bottom, [
         (draw_merged, "(C) merged map: floor white, brighter if certain, obstacles black, unseen gray"),
         (draw_path, f"(D) path (red), {length:.2f} m; true ball (blue); grid of 10 cm")], 2)
+    obstacle = (chance >= 0) & ~floor
     return figure, {"frames": facts, "floor_m2": 1e-4 * int(floor.sum()), "planned_s": planned,
+                    "obstacle_m2": 1e-4 * int(obstacle.sum()),
                     "path_m": route.tolist(), "path_length_m": length}
 
 
+def boxes_of(recording):
+    """Returns pose and half the sides, x and y, of each box in the recorded world."""
+    return [(matrix(marker["pose"]), numpy.array([marker["scale"][axis] for axis in "xy"]) / 2)
+            for marker in recording.messages("/scene")[0][1]["markers"]
+            if marker["type"] == 1 and marker["scale"]["z"] > 0.001]  # not the floor
+
+
 def figure7(run):
-    boxes = [(matrix(marker["pose"]), numpy.array([marker["scale"][axis] for axis in "xy"]) / 2)
-             for marker in run.recording.messages("/scene")[0][1]["markers"]
-             if marker["type"] == 1 and marker["scale"]["z"] > 0.001]  # not the floor
+    boxes = boxes_of(run.recording)
     if not boxes:
-        raise Missing(f"the world {run.options['world']} has no box: give --yard a world like yard")
+        raise Missing(f"the world {run.options['world']} has no box")
     seen = [(pair, run.ms / 1000 + DELAY_S) for pair in run.frames(run.duration_s) if pair.time > STAND_S]
     if not seen:
         raise Missing(f"the recording has no pictures after {STAND_S} s")
@@ -485,6 +488,7 @@ def page_text(result):
 def arguments():
     parser = argparse.ArgumentParser("python3 -m kaz.figures", description=__doc__, epilog=EPILOG,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.error = lambda why: parser.exit(2, f"kaz.figures: {why}; see python3 -m kaz.figures --help\n")
     option = parser.add_argument
     option("--out", metavar="DIR", default="kaz-figures", type=pathlib.Path,
            help="folder for the figures, figures.html, result.json and the runs (default: %(default)s)")
@@ -511,6 +515,18 @@ def arguments():
     return given
 
 
+def check_worlds(boxes, yard):
+    """Raises UsageError before anything runs. yard: None without figure 7."""
+    kaz.Simulation(world=boxes, mcu="native", eyes="none")
+    if yard is None:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder, "yard.mcap")
+        kaz.Simulation(world=yard, mcu="native", eyes="none", recording=str(path)).finish_recording()
+        if not boxes_of(kaz.Recording(path)):
+            raise kaz.UsageError(f"--yard {yard}: the world has no box; give a world like yard")
+
+
 def runs_of(given):
     """Yields the figures to draw, the run's name, and its recording, after recording it."""
     if given.recording:
@@ -523,8 +539,7 @@ def runs_of(given):
         return
     same = {"seed": 1 if given.seed is None else given.seed, "mcu": given.mcu or "h8", "eyes": "real"}
     boxes, yard = given.world or "boxes", given.yard or "yard"
-    for world in (boxes, yard):
-        kaz.Simulation(world=world, mcu="native", eyes="none")  # raises UsageError before anything runs
+    check_worlds(boxes, yard if 7 in (given.only or CAPTIONS) else None)
     for figures, name, world, settings in (
             ([5, 6], "navigate", boxes, {"goal": given.goal or "ball"}),
             ([3], "track-ball", "ball", {"seconds": 8}), ([7], "sweep", yard, {}),

@@ -1,5 +1,6 @@
 // Vision on arrays: ball, depth, flow, planes, as the robot has them.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "python/src/python.h"
@@ -42,6 +43,14 @@ py::object find_ball(BallDetector& detector, const Picture& picture,
   ball["position"] = vector_of(found.position());
   ball["confidence"] = found.confidence;
   return ball;
+}
+
+py::array_t<bool> color_mask(BallDetector& detector) {
+  const vision::Mask mask = detector.alone([](vision::BallDetector& d) { return d.mask(); });
+  py::array_t<bool> selected({mask.height, mask.width});
+  std::ranges::transform(mask.pixels, selected.mutable_data(),
+                         [](std::uint8_t pixel) { return pixel != 0; });
+  return selected;
 }
 
 py::array_t<float> find_depth(DepthFinder& finder, const Picture& left, const Picture& right,
@@ -109,7 +118,8 @@ void add_vision(py::module_& module) {
            }),
            py::arg("radius_m") = vision::BallOptions{}.radius_m,
            py::arg("min_confidence") = vision::BallOptions{}.min_confidence)
-      .def("find", &find_ball, py::arg("picture"), py::arg("camera"));
+      .def("find", &find_ball, py::arg("picture"), py::arg("camera"))
+      .def("mask", &color_mask);
   py::class_<DepthFinder>(module, "DepthFinder")
       .def(py::init([](double nearest_m, int block_px) {
              vision::DepthOptions options;

@@ -87,6 +87,8 @@ class Figures(unittest.TestCase):
 
     def test_a_scene_has_ball_depth_and_flow(self):
         facts, picture = self.facts["3"], self.picture(3)
+        self.assertGreater(picture.shape[1], 800)
+        self.assertGreater(facts["ball_moved_px"], 1)
         self.assertGreater(facts["depth_known"], 0.3)
         self.assertGreater(facts["flow_known"], 0.3)
         disc = math.pi * facts["ball_radius_px"] ** 2
@@ -109,8 +111,9 @@ class Figures(unittest.TestCase):
         self.assertFalse((self.folder / "other").exists())
 
     def test_setup_map_and_path_are_those_of_the_walk(self):
-        for found, true in zip(self.facts["5"]["ball_m"], (1.4, 0.1)):  # of sim/worlds/boxes.sdf
-            self.assertAlmostEqual(found, true, delta=0.03)
+        for found, true, delta in zip(self.facts["5"]["ball_m"], (1.4, 0.1), (0.03, 0.01)):
+            self.assertAlmostEqual(found, true, delta=delta)  # of sim/worlds/boxes.sdf
+        self.assertGreater(self.picture(5).shape[1], 800)
         self.assertGreater(share(self.picture(5), 0, 0, 0.49, 0.9, blue), 0.003)  # a box
         facts, picture = self.facts["6"], self.picture(6)
         self.assertEqual(len(facts["frames"]), 5)
@@ -118,8 +121,14 @@ class Figures(unittest.TestCase):
             self.assertAlmostEqual(frame["pan_deg"], pan, delta=4)
             self.assertGreater(frame["floor_m2"], 0.1)
             self.assertLess(1.5 * frame["floor_m2"], facts["floor_m2"])  # merged from several
-        self.assertLess(numpy.hypot(facts["path_m"][-1][0] - 0.4, facts["path_m"][-1][1] + 0.15), 0.02)
-        self.assertGreaterEqual(facts["path_length_m"], math.hypot(0.4, 0.15) - 0.02)
+        self.assertGreater(facts["obstacle_m2"], 0.01)
+        self.assertAlmostEqual(facts["path_m"][-1][0], 0.4, delta=0.01)
+        self.assertAlmostEqual(facts["path_m"][-1][1], -0.15, delta=0.01)
+        self.assertGreaterEqual(facts["path_length_m"], math.hypot(0.4, 0.15) - 0.01)
+        walk = json.loads((self.out / "navigate/result.json").read_text())
+        self.assertEqual(walk["outcome"], "done")
+        self.assertLess(facts["planned_s"], kaz.Recording(self.out / "navigate/recording.mcap").duration_s)
+        self.assertGreater(picture.shape[0], 700)
         self.assertGreater(share(picture, 0, 0, 1, 0.18, red), 0.1)  # planes
         for top in (0.22, 0.5):
             self.assertGreater(share(picture, 0, top, 1, top + 0.15, unseen), 0.02)
@@ -130,6 +139,7 @@ class Figures(unittest.TestCase):
     def test_frame_information_keeps_the_floor_out_of_the_boxes(self):
         facts, picture = self.facts["7"], self.picture(7)
         self.assertGreater(facts["pictures"], 100)
+        self.assertGreater(picture.shape[0], 600)
         boxes = facts["boxes_m2"]
         yard = 0.06 * 0.30 + 0.30 * 0.06 + 0.12 * 0.24  # sim/worlds/yard.sdf
         self.assertAlmostEqual(boxes, yard, delta=0.002)
@@ -153,11 +163,14 @@ class Refused(unittest.TestCase):
                     (["--world", "moon"], "moon"),
                     (["--only", "6", "--goal", "there"], "X,Y or X,Y,HEADING or ball"),
                     (["--recording", "none.mcap", "--mcu", "native"], "--mcu is set by the recording"),
+                    (["--only", "7", "--yard", "empty"], "has no box"),
+                    (["--out", "/proc/x"], "/proc/x"),
                     (["--recording", "none.mcap"], "none.mcap")):
                 with self.subTest(arguments):
-                    done = figures(*arguments, "--out", out)
+                    done = figures("--out", out, *arguments)
                     self.assertEqual(done.returncode, 2, done.stderr)
                     self.assertIn(why, done.stderr)
+                    self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
                     self.assertNotIn("Traceback", done.stderr)
                     self.assertFalse(out.exists())
 
