@@ -94,14 +94,13 @@ TEST(PortAddress, ErrorsAreOneShortLine) {
 TEST(PortAddress, SuggestedOptionsParseToTheSamePort) {
   const std::pair<const char*, const char*> kOptions[] = {
       {"/dev/ttyUSB0", "--robot serial:/dev/ttyUSB0"},
-      {"board:left", "--robot serial:board:left"},
+      {"serial:board:left", "--robot serial:board:left"},
       {"can:can0", "--robot can:can0"},
       {"tcp:bench:7000", "--robot tcp:bench:7000"},
       {"rfc2217:[fe80::1]:7217", "--robot rfc2217:[fe80::1]:7217"}};
   for (const auto& [name, option] : kOptions) {
     EXPECT_EQ(robot_option(name), option);
-    const std::string port = option;
-    EXPECT_EQ(read(port.substr(port.find(' ') + 1)).name(), read(name).name());
+    EXPECT_EQ(read(robot_option(name).substr(std::string("--robot ").size())).name(), name);
   }
 }
 

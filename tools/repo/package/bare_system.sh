@@ -19,22 +19,22 @@ apt-get install -qy --no-install-recommends kaz-dev python3-kaz kaz-doc >/dev/nu
 echo "deb [trusted=yes] file:/srv/next ./" >/etc/apt/sources.list.d/kaz.list
 apt-get update -q
 apt-get upgrade -qy >/dev/null
-dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Version}\n' kaz kaz-firmware kaz-dev python3-kaz kaz-doc |
-  tee /tmp/upgraded
-test "$(grep -c '^ii .*+next$' /tmp/upgraded)" = 5
-kaz run stand --out /tmp/stood
+upgraded=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package} ${Version}\n' kaz kaz-firmware kaz-dev python3-kaz kaz-doc)
+echo "$upgraded"
+test "$(echo "$upgraded" | grep -c '^ii .*+next$')" = 5
+kaz run stand --out stood
 
 packages="kaz kaz-firmware kaz-dev python3-kaz kaz-doc"
 # shellcheck disable=SC2086  # several words
-dpkg -L $packages | sort -u >/tmp/files
+files=$(dpkg -L $packages | sort -u)
 # shellcheck disable=SC2086
 apt-get purge -qy $packages >/dev/null
-while read -r file; do
+echo "$files" | while read -r file; do
   # Folders may be others', too.
   if [ ! -d "$file" ] || [ -z "${file##*/kaz*}" ]; then
     test ! -e "$file" || { echo "left behind: $file"; exit 1; }
   fi
-done </tmp/files
+done
 left=$(find /etc /usr /var/lib /opt -ipath '*kaz*' ! -path '/var/lib/apt/*' ! -path '/etc/apt/*' | head)
 test -z "$left" || { echo "left behind: $left"; exit 1; }
 echo "installed, ran, upgraded, removed without a trace"
