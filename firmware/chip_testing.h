@@ -118,7 +118,8 @@ class TestChip : public testing::Test {
     }
   }
 
-  // Runs to the end of a tick, and writes `action` as requested action to the tick's output.
+  // Runs to the end of a tick. Then writes `action` to the tick's output, as the action that the tick
+  // requests.
   void request_action(u8 action) {
     ASSERT_GE(run_to("kz_tick_end"), 0) << chip().report();
     ASSERT_TRUE(chip().poke(address_of("kz_output") + offsetof(kz_tick_output, action), action));
@@ -175,7 +176,7 @@ class TestChip : public testing::Test {
     at.peek(calibration_at, image);
     return image;
   }
-  // Fails the test if the firmware has misused the chip.
+  // Fails the test if the emulator reports a misuse of the chip by the firmware.
   void expect_no_misuse() {
     for (const h8s::Misuse& misuse : chip().misuse()) ADD_FAILURE() << misuse.text;
   }

@@ -14,7 +14,8 @@ void kz_clock_init(void);
 u8 kz_clock_wait(void);
 // Returns the number of due ticks without waiting, and discards these ticks.
 u8 kz_clock_skip(void);
-// Returns the time since the last tick from kz_clock_wait became due, in units of 8 states.
+// Returns the time since the current tick became due, in units of 8 states. The current tick is the tick for
+// which kz_clock_wait returned last.
 u16 kz_clock_busy_8states(void);
 
 void kz_watchdog_start(void);

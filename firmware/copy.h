@@ -5,9 +5,9 @@
 
 #include "shared/base/types.h"
 
-// Copies `count` bytes, 1 to 255, with interrupts blocked. The code saves ER6 itself, and sets ER6 after
-// reading all operands. The compiler uses ER6 as frame pointer, ignores ER6 in the clobber list, and may
-// pass an operand in ER6.
+// Copies `count` bytes, 1 to 255, with interrupts blocked. The assembler code saves ER6 itself, and changes
+// ER6 only after it has read all operands. The compiler uses ER6 as frame pointer, ignores ER6 in the clobber
+// list, and may pass an operand in ER6.
 static inline void kz_copy(void* to, const void* from, u8 count) {
   __asm__ volatile(
       "mov.l er6,@-er7\n\tmov.b %X2,r4l\n\tmov.l %1,er5\n\tmov.l %0,er6\n\t"

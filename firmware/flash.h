@@ -1,10 +1,10 @@
-// Erases and programs the flash blocks that hold no program.
+// Erases and programs the flash blocks that contain no program code.
 // SPDX-License-Identifier: Apache-2.0
 //
-// No code can run from flash while the flash is written, and interrupts are off. Therefore the code of
-// flash_ram.c runs in RAM. This code feeds the watchdog and counts the ticks that become due. The times of
-// pulses and waits are the times for chips with 32-byte flash lines (hardware manual, flash memory,
-// flowcharts of programming and erasing).
+// No code can run from flash while the flash is written. Therefore interrupts are off, and the code of
+// flash_ram.c runs in RAM. This code feeds the watchdog and counts the ticks that become due. The durations
+// of pulses and waits are those of chips with 32-byte flash lines. Source: hardware manual, flash memory,
+// flowcharts of programming and erasing.
 #ifndef KAZ_FIRMWARE_FLASH_H
 #define KAZ_FIRMWARE_FLASH_H
 

@@ -7,9 +7,9 @@
 
 namespace kaz::sim {
 
-// Returns the path of the image of this build. If the environment variable KAZ_TEST_IMAGE is set, returns the
-// value of this variable: the path of a mutant (tests/integration/conformance/mutate.py), or of a variant for
-// measurements.
+// Returns the path of the image of this build. If the environment variable KAZ_TEST_IMAGE is set, returns its
+// value instead. The value is the path of a mutant (tests/integration/conformance/mutate.py), or of a variant
+// for measurements.
 inline std::string firmware_image() {
   const char* other = std::getenv("KAZ_TEST_IMAGE");
   return other ? other : KAZ_FIRMWARE_IMAGE;

@@ -282,10 +282,10 @@ constexpr const char* kUsage =
     "usage: joint_loop_trials [--trials N] [--seed N] [--call N] [--image FILE.coff] [--native "
     "FILE.so]\n"
     "                         [--no-coverage]\n"
-    "  --call N         run only call N of the seed, to reproduce a difference\n"
+    "  --call N         run only call N of the sequence from --seed, to reproduce a difference\n"
     "  --image FILE     firmware image with symbols, for the loop on the chip\n"
     "  --native FILE    shared object with kz_joint_loop, for the loop in C\n"
-    "  --no-coverage    do not check coverage: for an image whose loop is not joint_loop.S\n";
+    "  --no-coverage    do not check coverage; necessary if the image's loop is not joint_loop.S\n";
 
 std::optional<Options> parse(int argc, char** argv) {
   Options options;

@@ -1,9 +1,9 @@
 // Random inputs for tests of the joint loop, with corner values and values at every threshold.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each field of each joint is drawn from a mixture. The mixture contains corner values (0, 1, -1, the ends
-// of the type), values of every magnitude, and uniformly distributed values. Other values are computed from
-// the drawn state so that a value is one below, equal to, or one above a threshold of the loop.
+// Each field of each joint is drawn from a mixture. The mixture contains corner values (0, 1, -1, the ends of
+// the type), values of every magnitude, and uniformly distributed values. Other values are computed from the
+// drawn state, close to a threshold of the loop: one below, equal to, or one above the threshold.
 //
 // These thresholds are covered: range of codes, clamped change of angle, rate at which braking at a limit
 // begins, and braking distance. Other covered thresholds are the soft limit on a ramp and the edges of the

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The writer calls no code in flash, and reads flash only at the host's request. Interrupts are off, because
-// the interrupt vectors are in flash. Therefore every wait loop polls the receiver, and a frame can arrive
-// while the line of another frame is programmed. At 115,200 baud the receiver must be read at least every 87
-// us.
+// the interrupt vectors are in flash. Therefore every wait loop polls the receiver. So a frame can arrive
+// while the writer programs a flash line from an earlier frame. At 115,200 baud the receiver must be read at
+// least every 87 us.
 //
 // Boot mode loads 2048 bytes with the code for the serial line and for programming (writer.c,
-// writer_flash.c). This code then receives the second stage (writer_second_stage.c: erase, sums, read, run),
-// twelve times as fast as boot mode would.
+// writer_flash.c). This code then receives the second stage (writer_second_stage.c: erase, sums, read, run).
+// The transfer is twelve times as fast as a transfer in boot mode.
 #ifndef KAZ_FIRMWARE_WRITER_H
 #define KAZ_FIRMWARE_WRITER_H
 
@@ -69,8 +69,8 @@ u16 kz_writer_verified_word(volatile u16* at);
 
 // Executes a request of the second stage and replies.
 void kz_writer_perform(frame* it);
-// Sets the timeout after which the writer ends if no request has arrived; 0: no timeout. The timeout applies
-// only to a writer that the loader started.
+// Sets the timeout of the writer; 0: no timeout. The writer ends if no request arrives within the timeout.
+// The timeout applies only to a writer that the loader started.
 void kz_writer_wait_for(u16 seconds);
 // Counts timer overflows. Ends the writer after the timeout.
 void kz_writer_idle(void);

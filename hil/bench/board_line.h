@@ -1,4 +1,4 @@
-// Access of the bench to a board: typed requests, and telemetry frames with arrival times.
+// The bench's connection to a board: sends typed requests, and collects telemetry frames with arrival times.
 // SPDX-License-Identifier: Apache-2.0
 //
 // BoardLine uses the layer below host::Robot, because host::Robot would hide the errors that the bench
@@ -63,7 +63,8 @@ class BoardLine {
   // Returns the frames that arrived since the last call.
   std::vector<Arrival> take_arrivals();
 
-  // Checks the tick number in a reply. A clear decrease of this number means that the board was reset.
+  // Checks the tick number in a reply. A large decrease of this number means that the board was reset.
+  // Reordered frames cause only small decreases.
   void observe(const host::Reply& reply);
 
   // If `on`, holds all joints at their present angles; otherwise switches all joints off. The board refuses
@@ -96,9 +97,9 @@ class BoardLine {
   bool on_ = false, streaming_ = false, was_reset_ = false;
 };
 
-// Puts the load of control cycles on the line. Each cycle sends 18 targets and reads 18 angles. The targets
-// are the present angles. While the joints are off, the board refuses the targets; a refusal takes as many
-// bytes as an acknowledgment.
+// Loads the line with control cycles. Each cycle sends 18 targets and reads 18 angles. The targets are the
+// present angles. While the joints are off, the board refuses the targets. The load stays the same, because a
+// refusal is as long as an acknowledgment.
 class CycleLoad {
  public:
   // `state` contains the present angles. `progress` gets the completed share of run(), 0 to 1.

@@ -14,7 +14,8 @@ struct LinkBenchOptions {
   Time cycle_time = std::chrono::seconds(5);
   Time stream_time = std::chrono::seconds(10);  // time with telemetry every 10 ms
   // Whether to switch the joints on and hold them in place. If false, no motor is on, and the board refuses
-  // the targets of the cycles. A refusal takes as many bytes as an acknowledgment.
+  // the targets of the cycles. The load on the line stays the same, because a refusal is as long as an
+  // acknowledgment.
   bool allow_motion = false;
   std::uint64_t seed = 1;  // seed of the random pauses between round trips
   BenchProgress progress;

@@ -1,4 +1,4 @@
-// Results of the bench: values with unit, limits and verdict, and plots.
+// Results of the bench: plots, and values with unit, limits and verdict.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -126,21 +126,23 @@ class BenchJudge {
   // Returns a text about the line errors since the previous call. The text is empty if there were no line
   // errors.
   using LineTrouble = std::function<std::string()>;
-  // Runs a part that measures times with this machine's clock. If the machine was late during a run of the
-  // part and a measurement of this run failed, all results of this run are dropped and the part is repeated.
-  // If the machine was late in each run, the failed measurements are undecided. `at_least` selects the delays
-  // that count as lateness. If `at_least` is above 0, only delays of this length or more count. If `at_least`
-  // is above 0, every failed measurement of the part can become undecided. If `at_least` is 0, the thresholds
-  // of LatenessMeter apply. If `at_least` is 0, only measurements that depend on this machine's clock can
-  // become undecided. If line errors occurred during a run, a failed measurement that line errors can distort
-  // also causes a repetition. If line errors occurred in each run, a failed measurement that line errors can
-  // distort becomes undecided. Line errors never make a measurement of the group `link` undecided. Errors:
-  // the errors of `part`; the program at the other end no longer replies (environment).
+  // Runs a part that measures times with this machine's clock. If a measurement fails in a run in which the
+  // machine was late, the lateness may be the cause. All results of such a run are dropped, and the part is
+  // repeated. If the machine was late in each run, the failed measurements become undecided. `at_least`
+  // selects the delays that count as lateness, and the measurements to which this rule applies:
+  // - 0: the thresholds of LatenessMeter select the delays. The rule applies only to measurements that depend
+  //   on this machine's clock.
+  // - above 0: only delays of this length or more count. The rule applies to every failed measurement of the
+  //   part.
+  //
+  // The same rule applies to line errors, for failed measurements that line errors can distort. Line errors
+  // never make a measurement of the group `link` undecided. Errors: the errors of `part`; the program at the
+  // other end no longer replies (environment).
   Result<void> timed(const std::function<Result<void>()>& part, Time at_least = Time::zero(),
                      const LineTrouble& line_trouble = nullptr);
-  // Makes all failed measurements with index `first` or higher undecided. If `doubt` is Doubt::line,
-  // measurements that line errors cannot distort stay failed. The message of each measurement that becomes
-  // undecided is extended by a semicolon, the word "but", and `why`.
+  // Changes the verdict of each failed measurement with index `first` or higher to undecided. If `doubt` is
+  // Doubt::line, measurements that line errors cannot distort stay failed. Appends "; but " and `why` to the
+  // message of each measurement that becomes undecided.
   void leave_undecided(std::size_t first, const std::string& why, Measurement::Doubt doubt);
   // Declares that the true value of each measurement with index `first` or higher lies between the entered
   // value and `factor` times the entered value. If a true value in this range would change the verdict of a

@@ -278,9 +278,10 @@ TEST_F(JudgeOfTimes, ARepetitionIsNamed) {
     judge_.enter("link", "link.round_trip_worst", run == 1 ? 90 : 10);
     return {};
   }));
-  EXPECT_EQ(names, (std::vector<std::string>{
-                       "telemetry",
-                       "repeated because this machine was late or the line was bad: telemetry"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{
+                "telemetry",
+                "repeated because this machine was late or the line was disturbed: telemetry"}));
   EXPECT_EQ(report_.count(Verdict::passed), 1);
 }
 

@@ -29,7 +29,8 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
 }
 
 std::string run_text(const std::string& what, int run) {
-  return run == 1 ? what : "repeated because this machine was late or the line was bad: " + what;
+  return run == 1 ? what
+                  : "repeated because this machine was late or the line was disturbed: " + what;
 }
 
 }  // namespace kaz::hil

@@ -17,7 +17,7 @@ Result<void> timed_part(BenchJudge& judge, const std::function<Result<void>(int 
                         const BenchJudge::LineTrouble& line_trouble = nullptr);
 
 // Returns a text for progress messages. For the first run, the text is `what`. For a repetition, the text
-// begins with the reason: "repeated because this machine was late or the line was bad: round trips".
+// begins with the reason: "repeated because this machine was late or the line was disturbed: round trips".
 std::string run_text(const std::string& what, int run);
 
 }  // namespace kaz::hil

@@ -52,8 +52,8 @@ struct BusRunOptions {
   int id = 1;
   std::string filter;
   unsigned allowed = 0;  // bits of ServoNeed that are allowed
-  // Whether to switch off torque that is on at the start. If `release` is false and the torque is on at the
-  // start, run_bus_suite() returns an error.
+  // Action if the torque is on at the start. True: run_bus_suite() switches the torque off. False:
+  // run_bus_suite() returns an error.
   bool release = false;
   // After an interrupt, the registers that the running case changed are restored, and then the run ends.
   // `interrupt` may be null.

@@ -113,7 +113,7 @@ void add_register_cases(ServoCases cases, ServoFamily family) {
             [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) { (void)servo.value(row); });
             });
-  cases.add("registers.in-range", "Each writable register holds a value in its range.", "registers",
+  cases.add("registers.in-range", "Each writable register has a value in its range.", "registers",
             [](ExaminedServo& servo) {
               for_rows(servo, [&](const ServoRow& row) {
                 // An identifier of its own, or not initialised before the first goal.

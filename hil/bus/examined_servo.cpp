@@ -197,7 +197,7 @@ void ExaminedServo::end_case(bool moves) {
   const auto [off, was_on] = release();
   const auto left = put_back();
   std::string wrong;
-  for (const std::string& one : left) wrong += (wrong.empty() ? "not put back: " : ", ") + one;
+  for (const std::string& one : left) wrong += (wrong.empty() ? "not restored: " : ", ") + one;
   const std::string holds = "its torque is not confirmed to be off: cut its power";
   check(off, wrong.empty() ? holds : holds + "; " + wrong);
   check(wrong.empty(), wrong);

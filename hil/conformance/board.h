@@ -1,4 +1,4 @@
-// Access of the cases to the board under test: raw bytes, requests by name, and expected replies.
+// Interface of the test cases to the board under test: raw bytes, requests by name, and expected replies.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every call throws Failed if the board does not behave as described; this exception ends the case. Every
@@ -80,7 +80,7 @@ class Board {
   // The method done() sends a request and returns the reply. The method take() returns the reply to an
   // earlier request. The methods refused(), refused_type() and take_refusal() return the refusal of the
   // board. The methods refused(), refused_type() and take_refusal() throw Failed if the board does not refuse
-  // the request, or if the reason of the refusal differs from `reason`.
+  // the request. They also throw Failed if the reason of the refusal differs from `reason`.
   Reply done(std::string_view name, const Bytes& fields = {}, int at_most_ms = 0);
   Reply take(std::string_view name, std::uint8_t sequence, int at_most_ms = 0);
   Reply refused(std::string_view name, const Bytes& fields, int reason, int detail = kAnyDetail);

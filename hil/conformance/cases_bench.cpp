@@ -200,7 +200,7 @@ void add_raw(Chapter& to) {
     b.expect_off();
     equal("reason", b.state().reason(), KZ_SHUTDOWN_STOP);
   });
-  to.add("raw-lock", "Locking ends a raw drive.", "BENCH-4", [](Board& b) {
+  to.add("raw-lock", "When the board locks again, a raw drive ends.", "BENCH-4", [](Board& b) {
     unlock(b, 1);
     b.wait(500);
     b.done("raw_drive", drive(0, 20, 2000));

@@ -197,8 +197,8 @@ void add_store(Chapter& to) {
       kFlash);
   to.add(
       "store-answers",
-      "`store_calibration` replies within 3 s and increases the number of the "
-      "copy by 1.",
+      "The board replies to `store_calibration` within 3 s and increases the number of the copy "
+      "by 1.",
       "CAL-3",
       [](Board& b) {
         long number = b.done("calibration")["sequence"];

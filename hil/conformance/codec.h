@@ -15,7 +15,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 std::uint16_t crc_of(const Bytes& stuffed);
 Bytes stuff(const Bytes& body);
-// Returns the three bytes that carry a CRC.
+// Returns the three bytes that encode a CRC.
 Bytes check_of(std::uint16_t crc);
 // Returns a whole frame: a zero, the bytes of `stuffed`, the CRC, and a zero. `stuffed` may be stuffed
 // incorrectly.
@@ -28,7 +28,7 @@ struct Frame {
   Time at{};  // time at which the last byte was read
 };
 
-// Splits the bytes of a board into frames.
+// Splits the byte stream from a board into frames.
 class Deframer {
  public:
   // Returns a frame if this byte is the last byte of a valid frame.

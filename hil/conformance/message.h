@@ -1,4 +1,5 @@
-// The message table as data for the cases: bounds of requests, fields of replies by name.
+// The protocol's message table as data for the test cases: bounds of request fields, and reply fields by
+// name.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -62,7 +63,7 @@ class Reply {
  public:
   Reply(const Message& message, const Frame& frame);
   long operator[](std::string_view field) const { return number(field, 0); }
-  // Returns a number of an array; for a masked field, `index` is the joint. Throws Failed if the number does
+  // Returns one number of a field. For a masked field, `index` is the joint. Throws Failed if the number does
   // not exist.
   long number(std::string_view field, int index) const;
   const Frame& frame() const { return frame_; }

@@ -59,8 +59,7 @@ struct RunOptions {
   std::uint64_t seed = 1;
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   unsigned allowed = 0;  // bits of Need that are available
-  // Whether the link carries whole frames only, like a CAN bus. If false, the cases that need kPauses also
-  // run.
+  // True: the link transmits only whole frames, like a CAN bus. False: the cases that need kPauses also run.
   bool whole_frames = false;
   // Measures the delays of this machine; null for a virtual board. If such a delay may have caused the
   // failure of a case, the case is repeated. If all runs fail and this machine was late in each run, the case

@@ -88,7 +88,7 @@ void Conversation::frame(std::span<const std::uint8_t> body) {
                  ", which is not the board's");
   const kz_message_info* message = kz_message_find(type);
   if (message == nullptr || (type & KZ_REPLY) == 0)
-    return wrong("the board sent a frame of " + name_of(type) + ", which is no reply");
+    return wrong("the board sent a frame of " + name_of(type) + ", which is not a reply");
   if (body.size() < KZ_HEADER_SIZE + 6)
     return wrong("a frame of " + name_of(type) + " has no tick and status");
   const auto status = static_cast<std::uint16_t>(body[7] << 8 | body[8]);
@@ -122,8 +122,9 @@ void Conversation::reply(std::uint8_t address, std::uint8_t request, std::uint8_
   const std::string number = " with number " + std::to_string(sequence);
   if (request_sent == sent_.end() || request_sent->second.unanswered.empty()) {
     if (!faulty_)
-      wrong(what + number + " came " +
-            (request_sent == sent_.end() ? "to no request" : "more often than it was requested"));
+      wrong(what + number +
+            (request_sent == sent_.end() ? " answers no request"
+                                         : " came more often than it was requested"));
     return;
   }
   request_sent->second.unanswered.pop_front();
@@ -135,10 +136,10 @@ void Conversation::judge_status(std::uint8_t type, std::uint16_t status) {
   const bool holding = (status & KZ_STATUS_HOLDING) != 0;
   const bool on = (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) != 0;
   if ((status >> 8) != KZ_SHUTDOWN_NONE && on && !holding)
-    wrong(name_of(type) + " says that motors are on in spite of the shutdown \"" +
+    wrong(name_of(type) + " reports that motors are on despite the shutdown \"" +
           kz_shutdown_text(static_cast<u8>(status >> 8)) + "\"");
   if (holding && (status >> 8) != KZ_SHUTDOWN_LINK_LOST)
-    wrong(name_of(type) + " says HOLDING without a lost link");
+    wrong(name_of(type) + " has HOLDING set, but the shutdown reason is not LINK_LOST");
 }
 
 // A reply must show as off what its request switches off, unless a later request may have switched it on.
@@ -150,10 +151,10 @@ void Conversation::judge_switched_off(std::span<const std::uint8_t> body, std::u
   const Transmission& oldest = sent->second.unanswered.front();
   if (oldest.number < switched_on_) return;
   if (type == KZ_TYPE_stop_reply && (status & (KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE)) != 0)
-    wrong("motors are on in the reply to `stop`");
+    wrong("the reply to `stop` reports that motors are on");
   if (type == KZ_TYPE_enable_reply && body.size() == KZ_HEADER_SIZE + KZ_SIZE_enable_reply &&
       (kz_get_u32(&body[KZ_HEADER_SIZE + 6]) & ~oldest.mask) != 0)
-    wrong("joints outside its mask are on in the reply to `enable`");
+    wrong("the reply to `enable` reports that joints outside the mask are on");
 }
 
 }  // namespace kaz::hil::fuzz

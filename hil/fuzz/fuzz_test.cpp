@@ -130,7 +130,7 @@ TEST(Conversation, WhatTheBoardMustNotSend) {
   auto twice = reply(KZ_TYPE_stop_reply, 7, KZ_SHUTDOWN_STOP << 8);
   twice.insert(twice.end(), twice.begin(), twice.end());
   const WrongReply wrong[] = {
-      {"to no request", {}, reply(KZ_TYPE_state_reply, 7, 0)},
+      {"answers no request", {}, reply(KZ_TYPE_state_reply, 7, 0)},
       {"another number", frame(1, KZ_TYPE_state, 6), reply(KZ_TYPE_state_reply, 7, 0)},
       {"another type", frame(1, KZ_TYPE_state, 7), reply(KZ_TYPE_health_reply, 7, 0)},
       {"to a broadcast", frame(15, KZ_TYPE_stop, 7),

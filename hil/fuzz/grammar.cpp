@@ -88,7 +88,7 @@ class Maker {
     const std::size_t back = 1 + choices_.below(repeated_frames);
     if (back > frames_.size()) return;
     const std::vector<std::uint8_t> earlier = frames_[frames_.size() - back];
-    send(earlier, "the frame " + std::to_string(back) + " before");
+    send(earlier, "a repetition of an earlier frame (" + std::to_string(back) + " back)");
   }
 
   std::uint8_t sequence() {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A string of bytes, called the genome, determines a case. Each decision (next action, message, value)
-// consumes some bytes, and the case ends when no bytes are left. Every string gives a case, and a small
+// consumes some bytes, and the case ends when no bytes are left. Every string is a valid case, and a small
 // change of the string changes the case only a little. Therefore a coverage-guided fuzzer can mutate the
 // string. Messages, fields and bounds come from the protocol's table (shared/protocol/message_info.h).
 #pragma once

@@ -94,7 +94,8 @@ class Run {
     if (!awake && !violation())
       return fail(Fault::environment,
                   "no board answers on " + link_.name() +
-                      ": is it connected, powered, and free of other programs?");
+                      ": check that the board is connected and powered, and that no other "
+                      "program uses the port");
     return {};
   }
 

@@ -1,9 +1,9 @@
 // Generates cases from one seed, guided by the behavior that earlier cases caused.
 // SPDX-License-Identifier: Apache-2.0
 //
-// If a case causes a new kind of board behavior, the case joins the corpus. Most later cases are mutations
-// and combinations of cases in the corpus. If the compiler can measure coverage, prefer `./tools/dev fuzz`,
-// which is guided by the coverage of the code.
+// If a case causes a new kind of board behavior, the case is added to the corpus. Most later cases are
+// mutations and combinations of cases in the corpus. If the compiler can measure coverage, prefer
+// `./tools/dev fuzz`, which is guided by the coverage of the code.
 #pragma once
 
 #include <functional>
@@ -40,8 +40,8 @@ class Search {
   std::set<std::uint32_t> seen_;
 };
 
-// Shortens a case that violates a rule. The shortened case has at least one byte and violates the same rule
-// or another rule. Runs at most `max_runs` cases.
+// Shortens a case that violates a rule. The shortened case has at least one byte and still violates a rule,
+// but not necessarily the same rule. Runs at most `max_runs` cases.
 Genome shortened(const Genome& genome, const CaseRunner& run, int max_runs);
 
 // Reads a genome from a file. The content of the file is the genome. Error messages contain the path and the

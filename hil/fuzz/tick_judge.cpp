@@ -120,9 +120,9 @@ void TickJudge::judge_outputs(const kz_servo& servo, const kz_tick_output& outpu
   const bool raw = servo.raw_ms != 0;
   if (servo.shutdown != KZ_SHUTDOWN_NONE && !servo.holding &&
       (servo.enabled != 0 || drivers_on(output)))
-    wrong(servo, -1, "motors are on in spite of shutdown " + std::to_string(servo.shutdown));
+    wrong(servo, -1, "motors are on despite shutdown " + std::to_string(servo.shutdown));
   if ((servo.enabled & ~static_cast<u32>(KZ_ALL_JOINTS)) != 0)
-    wrong(servo, -1, "joints are on that do not exist");
+    wrong(servo, -1, "nonexistent joints are on");
   if (raw && servo.enabled != 0) wrong(servo, -1, "raw drive while joints are on");
   if (servo.enabled == 0 && !raw) {
     if (drivers_on(output)) wrong(servo, -1, "all joints are off, but the motor drivers are on");
@@ -155,9 +155,9 @@ void TickJudge::judge_limit(const kz_servo& servo, int number, int drive) {
   before.above_ticks = above ? before.above_ticks + 1 : 0;
   before.below_ticks = below ? before.below_ticks + 1 : 0;
   if (drive > 0 && joint.rate >= 0 && before.above_ticks > kLookedAfterMs)
-    wrong(servo, number, "is driven further beyond its upper limit");
+    wrong(servo, number, "is driven farther beyond its upper limit");
   if (drive < 0 && joint.rate <= 0 && before.below_ticks > kLookedAfterMs)
-    wrong(servo, number, "is driven further beyond its lower limit");
+    wrong(servo, number, "is driven farther beyond its lower limit");
 }
 
 void TickJudge::judge_joint(const kz_servo& servo, int number) {
@@ -174,13 +174,13 @@ void TickJudge::judge_joint(const kz_servo& servo, int number) {
     before.ramp = std::max<int>(before.ramp, joint.ramp_limit);
     if (std::abs(step) > before.ramp)
       wrong(servo, number,
-            "has a command that moved " + std::to_string(step) + " in a tick, with a ramp of " +
-                std::to_string(before.ramp));
+            "has a command that moved by " + std::to_string(step) +
+                " in one tick, but the ramp limit is " + std::to_string(before.ramp));
     // The command moves before this tick's requests, so by the limits before them.
     const int lower = std::min<int>(joint.lower, before.lower);
     const int upper = std::max<int>(joint.upper, before.upper);
     if ((joint.command > upper && step > 0) || (joint.command < lower && step < 0))
-      wrong(servo, number, "has a command that leaves its limits");
+      wrong(servo, number, "has a command that moves farther beyond its limits");
   }
   if (!on || joint.ramp_left == 0) before.ramp = joint.ramp_limit;
   before.on = on;

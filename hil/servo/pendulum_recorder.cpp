@@ -373,9 +373,9 @@ class Recorder {
       torque_ = false;
       return {};
     }
-    return wrong(
-        torque ? Fault::environment : torque.error().fault,
-        std::string("may hold, ") + kMayHold + (torque ? "" : " (" + torque.error().message + ")"));
+    return wrong(torque ? Fault::environment : torque.error().fault,
+                 std::string("may still hold the arm, because ") + kMayHold +
+                     (torque ? "" : " (" + torque.error().message + ")"));
   }
 
   Result<void> leave() {
@@ -384,12 +384,12 @@ class Recorder {
     for (int tries = 0; tries < 5 && !off; ++tries) off = release();
     for (const auto& [name, value] : before_) {
       if (set(name, value)) continue;
-      left += (left.empty() ? "not put back: " : ", ") + std::string(name) + " was " +
+      left += (left.empty() ? "registers not restored: " : ", ") + std::string(name) + " was " +
               std::to_string(value);
     }
     if (!off) left = kMayHold + (left.empty() ? "" : "; " + left);
     if (left.empty()) return {};
-    return wrong(Fault::environment, "was not fully restored: " + left);
+    return wrong(Fault::environment, "was left in a changed state: " + left);
   }
 
   host::Link& link_;

@@ -245,7 +245,7 @@ LogErrors errors_of(int model, const ServoParams& params, const std::vector<Serv
 Result<std::vector<ServoFit>> fit_servo(const std::vector<ServoLog>& logs,
                                         const std::vector<ServoLog>& held_out,
                                         const ServoFitOptions& options) {
-  if (logs.empty()) return fail(Fault::usage, "no logs to fit: give at least one");
+  if (logs.empty()) return fail(Fault::usage, "no logs to fit: give at least one log");
   std::vector<ServoFit> all;
   for (const int model : options.models) {
     const Fitter fitter(model, logs, options.stopped);

@@ -75,7 +75,8 @@ class Reader {
                     log_.name + ": the line `# " + kSettings[i].name + " VALUE` is missing");
     }
     if (log_.load_kgm2() <= 0)
-      return fail(Fault::usage, log_.name + ": length_m, and mass_kg or arm_kg, must be above 0");
+      return fail(Fault::usage,
+                  log_.name + ": length_m must be above 0, and mass_kg or arm_kg must be above 0");
     if (log_.samples.size() < 2 ||
         log_.samples.back().time_s - log_.samples.front().time_s < kShortest)
       return wrong("the samples must cover at least 1 s");
@@ -146,7 +147,7 @@ class Reader {
     }
     if (!log_.samples.empty()) {
       const double step = now.time_s - log_.samples.back().time_s;
-      if (!(step > 0)) return wrong("time_s must be above that of the previous sample");
+      if (!(step > 0)) return wrong("time_s must be greater than in the previous sample");
       if (step > kLongestStep)
         return wrong("time_s must be at most 0.5 s after the previous sample");
       if (now.time_s - log_.samples.front().time_s > kLongest)

@@ -1,8 +1,8 @@
 // Log of a servo that moves a known weight: goals, readings and the weight.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A log file is CSV. The file begins with lines `# name value`. A line of column names follows, then lines of
-// numbers.
+// A log file is CSV. The file begins with lines `# name value`. The next line contains the column names. All
+// further lines contain numbers.
 //
 //   # mass_kg 0.567
 //   # length_m 0.17

@@ -23,7 +23,7 @@ enum class Motion { sine_of_square, lift_and_drop, up_and_down, two_sines };
 // Simulates a servo with parameters drawn from `seed`. The servo is about as large as an XL330 (even seeds)
 // or an MX-64 (odd seeds). Friction: bristles yield before sliding, and gears lose more torque when driven
 // backwards. Motor: torque ripple, and a winding that warms up. Other effects are: the pull of a cable, a
-// control law with a dead zone, sensor steps, and a late clock.
+// dead zone of the control law, quantized readings, and timestamps with drift and offset.
 Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share,
             double seconds = 6);
 

@@ -16,8 +16,8 @@ struct Approached {
   Eigen::Vector2d ball{0, 0};           // m; x ahead, y left, from the midpoint of the ankles
   std::string cause = {};  // empty on success, else the reason: "lost", "not reached", "fell"
 };
-// Turns and walks toward the ball under visual control. The robot stands when the function returns.
-// Precondition: body.ball().known().
+// Turns and walks toward the ball under visual control. At the end, the robot stands. Precondition:
+// body.ball().known().
 Result<Approached> approach(BodyControl& body);
 
 // Returns the hand that can pick up the ball. `ball` has the axes and the origin of Approached::ball. The

@@ -21,7 +21,7 @@ class BallDetector {
   virtual Result<std::vector<vision::BallObservation>> poll(Time now) = 0;
 };
 
-// Submits the camera's image pairs to the pipeline and collects the results of its module "color".
+// Submits the camera's image pairs to the pipeline. Collects the results of the pipeline's module "color".
 class PipelineBallDetector final : public BallDetector {
  public:
   // `camera` must add the robot's posture to its pairs (host/camera/capture.h). The pipeline must contain the

@@ -1,11 +1,11 @@
 // Position of a ball on the floor, from one camera, while the robot walks.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ball's center lies in a plane one radius above the floor. The viewing ray through the ball's center
-// intersects this plane at the ball's position. The intersection is far more accurate than a position
-// computed from the ball's apparent size. The apparent size only serves as a plausibility check. The sole of
-// the supporting leg is flat on the floor. So the joint angles of this leg give the camera pose over the
-// floor (host/robot/kinematics.h). This pose includes the sway of walking. Units: m, rad.
+// The ball's center is one ball radius above the floor. So the center is the intersection of two objects: the
+// viewing ray through the center, and the plane at this height. The intersection is far more accurate than a
+// position computed from the ball's apparent size. The apparent size is used only for a plausibility check.
+// The sole of the supporting leg is flat on the floor. So the camera pose over the floor is computed from the
+// joint angles of this leg (host/robot/kinematics.h). This pose includes the sway of walking. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ namespace kaz::behavior {
 
 // A point on the floor. Axes: x ahead, y left.
 struct FloorPoint {
-  // Origin: midpoint of the ankles, if the feet are side by side.
+  // Origin: point midway between the ankles when the feet are side by side.
   Eigen::Vector2d from_middle{0, 0};
   // Origin: on the floor, below the trunk's origin.
   Eigen::Vector2d from_hips{0, 0};

@@ -1,4 +1,4 @@
-// Test double of BallDetector: a ball on a known path, observed as by the robot's camera.
+// Test double of BallDetector: simulates the observations of a ball that moves on a known path.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,9 +10,10 @@
 
 namespace kaz::behavior {
 
-// Simulates observations at 30 Hz, 320 x 240 px, 80 degrees wide, from the true head pose at each exposure.
-// An observation is available `latency` after its exposure. Each observation contains the posture from the
-// robot's history. `board` and `robot` must outlive this object.
+// Simulates observations at 30 Hz. The simulated images have 320 x 240 px and a field of view of 80 degrees.
+// Each observation is computed from the true head pose at the exposure. An observation is available `latency`
+// after its exposure. Each observation contains the posture from the robot's history. `board` and `robot`
+// must outlive this object.
 class TestBall final : public BallDetector {
  public:
   struct Options {
@@ -31,7 +32,8 @@ class TestBall final : public BallDetector {
 
   // True angle between the left optical axis and the ball. `t` must not be in the future.
   double error_rad(Time t) const;
-  // Share of the time from `begin` to `end`, in steps of 1 ms, with error_rad() at most `limit_rad`.
+  // Share (0 to 1) of the times from `begin` to `end` at which error_rad() is at most `limit_rad`. The step
+  // between these times is 1 ms.
   double share_within(double limit_rad, Time begin, Time end) const;
 
   // False: the image shows no ball.

@@ -18,7 +18,7 @@ class BallTracker {
   // is assumed to rest.
   static constexpr Time kMaxPrediction = std::chrono::milliseconds(200);
 
-  // Returns true if the observation was used. An observation is used if the observation contains a ball,
+  // Returns true if the observation was used. Three conditions must be met: the observation contains a ball,
   // the posture at the exposure is known, and the track's gate accepts the observation.
   bool observe(const vision::BallObservation& observation);
   void forget() { track_.forget(); }

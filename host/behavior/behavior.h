@@ -1,4 +1,4 @@
-// Behaviors: closed-loop programs for a robot, the same for real and virtual robots.
+// Behaviors: closed-loop programs that run unchanged on real and virtual robots.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A behavior is a function of Context. A behavior blocks only in calls of the robot and the clock. Such calls
@@ -29,12 +29,12 @@ namespace kaz::behavior {
 class Requests {
  public:
   virtual ~Requests() = default;
-  // Returns the requests that arrived since the last call, one line each. `now` is the time stamp that the
-  // requests get in the recording.
+  // Returns the requests that arrived since the last call, one line each. `now` is the time stamp of the
+  // requests in the recording.
   virtual std::vector<std::string> take(Time now) = 0;
 };
 
-// Everything that a behavior works with. The references are valid until run() returns.
+// Objects and values that a behavior uses. The references are valid until run() returns.
 struct Context {
   host::Robot& robot;
   host::Clock& clock;

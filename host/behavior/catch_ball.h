@@ -10,8 +10,8 @@ struct CatchOptions {
   int tries = 4;
   int turns = 3;      // maximum number of quarter turns of the body during the search
   double hold_s = 3;  // time for which the robot must hold the ball
-  // Direction in which the body turns during the search; true: left, false: right. If the head's pan
-  // angle is 0 when a search begins, `left_first` also selects the end of the row at which the head begins.
+  // Direction in which the body turns during the search; true: left, false: right. If the head looks straight
+  // ahead (pan angle 0) when a search begins, `left_first` also selects the side on which the head begins.
   bool left_first = false;
 };
 

@@ -27,9 +27,9 @@ Task sequence(std::string behavior, std::vector<Step> steps);
 // Runs the steps in order until a step succeeds. Returns the outcome of the last step that ran. Without
 // steps, returns an outcome without success.
 Task fallback(std::string behavior, std::vector<Step> steps);
-// Repeats the task until it succeeds, at most `times` (>= 1) times. `retriable` returns whether an outcome
-// without success is worth another try. If `retriable` is empty, the task is repeated after every outcome
-// without success. Adds the measurement "tries".
+// Repeats the task until it succeeds, at most `times` (>= 1) times. After an outcome without success, the
+// task is repeated only if `retriable` returns true. If `retriable` is empty, the task is repeated after
+// every such outcome. Adds the measurement "tries".
 Task retry(int times, Task task, std::function<bool(const Outcome&)> retriable = {});
 // Runs the task with a time limit. If the task exceeds the limit, returns an outcome with the cause "time".
 // The limit is only checked when the task waits on Context::clock.

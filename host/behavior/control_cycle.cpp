@@ -63,7 +63,7 @@ Result<void> require_joints(const Context& context, std::string_view behavior,
   if (missing.empty()) return {};
   return fail(Fault::usage, std::string(behavior) + " moves " + listed(missing) +
                                 ", but this robot has only " + listed(others) +
-                                "; use a behavior written for these joints, or `stand`");
+                                "; use a behavior for this robot's joints, or `stand`");
 }
 
 Result<void> hold_still(host::Robot& robot) {

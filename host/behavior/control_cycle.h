@@ -21,10 +21,10 @@ class ControlCycle {
   // Delay from a behavior's decision to the start of the board's ramp. The delay is the sum of three parts:
   // - 1.65 ms: transmission of 19 bytes.
   // - 0.5 ms: mean time until the board's next tick, which processes the bytes.
-  // - 1 ms: one tick until the pins follow.
+  // - 1 ms: one tick until the board writes the new outputs to the pins.
   static constexpr Time kSendDelay = std::chrono::microseconds(3150);
-  // After this time without an image, a behavior that uses the camera lets the robot stand still until the
-  // next image.
+  // After this time without an image, the robot stands still until the next image. This applies to behaviors
+  // that use the camera.
   static constexpr Time kLostCamera = std::chrono::seconds(1);
 
   // The context must outlive this object.
@@ -54,14 +54,14 @@ class ControlCycle {
 };
 
 // Fails (usage) if the robot lacks one of `joints`; the message lists the missing joints. On a robot other
-// than Kaz, a joint number of Kaz can belong to a different joint. To avoid wrong motions, behaviors that
-// name joints of Kaz call require_joints() before hold_still().
+// than Kaz, the number of a Kaz joint can belong to a different joint. To avoid wrong motions, a behavior
+// that uses joints by name must call require_joints() before hold_still().
 Result<void> require_joints(const Context& context, std::string_view behavior,
                             std::initializer_list<host::Joint> joints);
 
-// Sets the gains for walking and enables all motors at their present angles. The position gain is 20 per
-// radian, but 12 for the neck and 0.8 for the hands. The damping gain is 0.15 s per radian. Every behavior
-// calls hold_still() before it sends targets.
+// Sets the gains for walking and enables all motors at their present angles. The position gain is 12 per
+// radian for the neck, 0.8 for the hands, and 20 for all other joints. The damping gain is 0.15 s per radian.
+// Every behavior calls hold_still() before it sends targets.
 Result<void> hold_still(host::Robot& robot);
 
 }  // namespace kaz::behavior

@@ -6,8 +6,8 @@ namespace kaz::behavior {
 
 // Side of the trunk that is down.
 enum class Lying { on_face, on_back, on_left, on_right, upright };
-// Returns which side of a resting trunk is down. The arguments are the specific force in g, along the trunk's
-// x axis (forward) and y axis (left).
+// Returns the side of the trunk that is down. Precondition: the trunk is at rest. The arguments are the
+// specific force in g, along the trunk's x axis (forward) and y axis (left).
 Lying lying_from(double forward_g, double left_g);
 
 }  // namespace kaz::behavior

@@ -12,11 +12,12 @@ namespace kaz::behavior {
 
 class HeadControl {
  public:
-  // Delay with which the position loop follows a target that moves at constant speed. The loop sets duty = kp
-  // error - kd rate. An unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
+  // Lag of the position loop behind a target that moves at constant speed. The loop sets duty = kp error - kd
+  // rate. An unloaded motor runs at rate = duty w0, with w0 = 11.46 rad/s at 10 V. Hence
   //   error / rate = (kd + 1/w0) / kp = (0.15 + 1/11.46) / 20 = 12 ms.
   static constexpr Time kServoLag = std::chrono::milliseconds(12);
-  // Delay from the decision on a target to the head's arrival: the sum of sending, ramp and servo lag.
+  // Time from the decision on a target until the head reaches the target: the sum of sending, ramp and servo
+  // lag.
   static constexpr Time kLead = ControlCycle::kSendDelay + ControlCycle::kRamp + kServoLag;
   static constexpr double kMargin = 0.017;  // minimum distance of targets to joint limits, rad
 

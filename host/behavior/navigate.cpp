@@ -536,9 +536,9 @@ class Navigation {
       text += "; positions are in m ahead and to the left of the start";
     if (const double seen = floor_seen_m2(); seen < kHardlyAnyFloor) {
       char line[120];
-      std::snprintf(line, sizeof line,
-                    ". Only %.2f m2 of floor was seen: add light, or texture to a plain floor",
-                    seen);
+      std::snprintf(
+          line, sizeof line,
+          ". Only %.2f m2 of floor was seen: add light, or put a texture on a plain floor", seen);
       text += line;
     }
     return text;

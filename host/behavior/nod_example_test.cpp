@@ -46,10 +46,9 @@ TEST(NodExample, RefusesARobotWithoutItsJoint) {
   const auto outcome = kNod.run(context);
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.error().fault, Fault::usage);
-  EXPECT_EQ(
-      outcome.error().message,
-      "nod moves neck_tilt, but this robot has only turn, shoulder; use a behavior written for "
-      "these joints, or `stand`");
+  EXPECT_EQ(outcome.error().message,
+            "nod moves neck_tilt, but this robot has only turn, shoulder; use a behavior for this "
+            "robot's joints, or `stand`");
   EXPECT_FALSE(board.motors_on());
 }
 

@@ -59,8 +59,8 @@ Result<Outcome> run(Context& context) {
   char sentence[240];
   std::snprintf(
       sentence, sizeof sentence,
-      "%zu poses in %.1f s%s: largest error on the way: %.1f degrees (%s, after %.2f s); at the "
-      "end: %.1f degrees (%s)",
+      "%zu poses in %.1f s%s; largest error during the motion: %.1f degrees (%s, after %.2f s); "
+      "largest error at the end: %.1f degrees (%s)",
       sequence.poses.size(), motion.end_s(), outcome.success ? "" : " were not followed",
       worst.farthest_rad / kDegree, name(worst.farthest), worst.farthest_s,
       worst.left_rad / kDegree, name(worst.left));

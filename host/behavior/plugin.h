@@ -23,9 +23,9 @@
 #define KAZ_PLUGIN_CONTAINERS ""
 #endif
 
-// Text that identifies the headers and the compiler options that affect the layout of types. For example,
-// the compiler option -march changes the alignment of Eigen's types. This text must be equal in a plug-in and
-// in the program that loads the plug-in, so that the types have the same layout in both.
+// Text that identifies the headers and the compiler options that affect the layout of types. For example, the
+// compiler option -march changes the alignment of Eigen's types. A plug-in and the program that loads it must
+// have equal texts. Then the types have the same layout in both.
 #define KAZ_PLUGIN_INTERFACE                                                        \
   "headers " KAZ_INTERFACE_ID ", Eigen alignment " KAZ_PLUGIN_TEXT(                 \
       EIGEN_MAX_ALIGN_BYTES) ", C++11 ABI " KAZ_PLUGIN_TEXT(_GLIBCXX_USE_CXX11_ABI) \
@@ -57,8 +57,8 @@ inline constexpr const char* kPluginSymbol = "kaz_behavior_plugin_v1";
 // slash or ends in .so.
 bool names_plugin(std::string_view name);
 
-// Loads the shared object, which stays loaded until the program ends. Loading runs code of the file: never
-// pass a path that comes from data.
+// Loads the shared object, which stays loaded until the program ends. Loading executes code in the file. So
+// never pass a path from untrusted data.
 //
 // Errors (usage). Each message is one sentence and contains `path`. Causes:
 // - The file does not exist or is not a shared object for this machine.

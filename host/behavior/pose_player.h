@@ -26,11 +26,11 @@ class PosePlayer {
   Result<void> check(const motion::PoseMotion& motion);
 
   struct Followed {
-    // Largest position error of any joint during the motion.
+    // Largest position error of all joints during the motion.
     double farthest_rad = 0;
     int farthest = 0;       // joint with the error farthest_rad
     double farthest_s = 0;  // time of the error farthest_rad, from the start of the motion
-    // Largest position error of any joint in the last cycle. If the motion was not stopped early, its last
+    // Largest position error of all joints in the last cycle. If the motion was not stopped early, its last
     // cycle is 0.5 s after the last pose.
     double left_rad = 0;
     int left = 0;          // joint with the error left_rad

@@ -1,4 +1,4 @@
-// Searches for a ball by moving the head, as in the paper (README.md), section 4.2.
+// Searches for a ball by moving the head, as in section 4.2 of the paper (README.md).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

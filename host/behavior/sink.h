@@ -59,7 +59,7 @@ class Sink {
   virtual void phase(Time, std::string_view /*behavior*/, std::string_view /*phase*/) {}
   virtual void cycle(const CycleRow&) {}
   virtual void picture(const PictureRow&) {}
-  // Called after each planned path and at the end of the behavior.
+  // Called each time a path was planned, and at the end of the behavior.
   virtual void map(const MapReport&) {}
 };
 

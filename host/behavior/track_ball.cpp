@@ -70,7 +70,8 @@ Outcome score(const std::vector<PictureRow>& pictures, Time found_at, double fou
                 found_s, std::min(share * 100, 100.0), taken);
   outcome.sentence = text;
   if (!outcome.success)
-    outcome.sentence += ", less than " + std::to_string(std::lround(kShare * 100)) + " %";
+    outcome.sentence +=
+        ", but at least " + std::to_string(std::lround(kShare * 100)) + " % are required";
   outcome.measurements = {{"found_s", found_s},
                           {"pictures_of_tracking", static_cast<double>(taken)},
                           {"pictures_with_ball", static_cast<double>(errors.size())},

@@ -1,8 +1,8 @@
-// Local map of a walking robot: enters each picture at the pose that the robot had at the exposure.
+// Local map of a walking robot. Enters each picture into the map with the robot's pose at the exposure.
 // SPDX-License-Identifier: Apache-2.0
 //
-// All positions are in the odometry frame. The odometry frame is the robot's foot frame at the start of the
-// run: x points ahead, y points left, and the origin is below the hips. Units: m, rad.
+// All positions are in the odometry frame. This frame is the robot's foot frame at the start of the run. Its
+// x axis points ahead, its y axis points left, and its origin is below the hips. Units: m, rad.
 #pragma once
 
 #include <optional>
@@ -64,9 +64,9 @@ class WalkingMap {
   map::LocalMap map_;
   Time newest_{};
   std::vector<Time> entered_;  // exposures of the newest pictures
-  // `faded_at_`: place of the robot when fade() last acted. `matched_at_`: place of the robot when a floor
-  // pattern last matched. `faded_at_` and `matched_at_` come from odometry alone, without the
-  // corrections by floor patterns.
+  // `faded_at_`: place of the robot at the last fading of the map in fade(). `matched_at_`: place of the
+  // robot when a floor pattern last matched. `faded_at_` and `matched_at_` come from odometry alone, without
+  // the corrections by floor patterns.
   std::optional<motion::Place> faded_at_, matched_at_;
   map::PoseFilter pose_;
   std::vector<Remembered> remembered_;

@@ -51,12 +51,12 @@ Result<void> check_range(const BusJoint& joint) {
       std::minmax({joint.servo.steps_at(joint.lower_rad), joint.servo.steps_at(joint.upper_rad)});
   const int last = joint.servo.model->steps - 1;
   if (low > -1 && high < last + 1) return {};
-  return fail(Fault::usage, named(joint.servo) + ": in bus.json its range of " +
-                                degrees(joint.lower_rad) + " to " + degrees(joint.upper_rad) +
-                                " degrees means positions " + std::to_string(std::lround(low)) +
-                                " to " + std::to_string(std::lround(high)) +
-                                ", but the servo has 0 to " + std::to_string(last) +
-                                ": run `kaz calibrate joints`");
+  return fail(Fault::usage,
+              named(joint.servo) + ": in bus.json, its range of " + degrees(joint.lower_rad) +
+                  " to " + degrees(joint.upper_rad) + " degrees corresponds to positions " +
+                  std::to_string(std::lround(low)) + " to " + std::to_string(std::lround(high)) +
+                  ", but the servo has positions 0 to " + std::to_string(last) +
+                  ": run `kaz calibrate joints`");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Makes a bus of servos look like a servo board: answers protocol requests and sends commands to the servos.
+// Emulates a servo board with the servos of a bus: answers protocol requests and sends commands to the
+// servos.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Through this class, Robot and all code above Robot drive bus servos without changes. BusBoard differs from
@@ -33,12 +34,11 @@ class BusBoard {
   static constexpr double kMaxSpeed = 12;  // largest speed limit that a joint can have, rad/s
 
   // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
-  // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer or does
-  // not accept a setting, or if a joint is more than 15 degrees outside its range. If servos do not answer,
-  // the message lists all of them. Fails (usage) if a servo has the wrong model or mode, or if two servos
-  // have the same id or different protocols. Also fails (usage) if `joints` is empty or has more than
-  // KZ_JOINTS elements. Also fails (usage) if a joint's range includes angles for which its servo has no
-  // positions.
+  // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer or rejects
+  // a setting, or if a joint is more than 15 degrees outside its range. If servos do not answer, the message
+  // lists all of them. Fails (usage) if a servo has the wrong model or mode, or if two servos have the same
+  // id or different protocols. Also fails (usage) if `joints` is empty or has more than KZ_JOINTS elements.
+  // Also fails (usage) if a joint's range includes angles for which its servo has no positions.
   static Result<BusBoard> open(Link& link, Clock& clock, std::vector<BusJoint> joints);
 
   // Parses bytes from the host and queues the frames for serve(). A `stop`, or an `enable` with an empty
@@ -84,7 +84,7 @@ class BusBoard {
     kz_receiver_init(&receiver_);
     start_ = clock.now();
   }
-  Result<void> look();  // reads the state of all servos, unless the last reading is recent
+  Result<void> look();  // reads the state of all servos if the last reading is too old
   Result<void> switch_to(std::uint32_t mask);
   // Switches the joints' torque off and records the replies; see BusDriver::release.
   Result<void> release(std::vector<Joint*> joints, Time within = BusDriver::kReleaseWithin);
@@ -96,7 +96,7 @@ class BusBoard {
   Result<void> move(const kz_targets& targets);
   Result<void> reset();
   void set_limits(const kz_limits& limits);
-  // Recovers servos that were stopped by a protection of the servo, such as the overload protection.
+  // Recovers servos that were stopped by an internal protection, such as the overload protection.
   Result<void> recover();
   std::uint32_t on() const;      // mask of the joints whose torque is not confirmed to be off
   std::uint32_t driven() const;  // mask of the joints that accept targets

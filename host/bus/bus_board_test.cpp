@@ -619,8 +619,8 @@ TEST(BusBoard, ARangeThatWrapsOrIsAnotherRobotsIsRefusedBeforeAnythingMoves) {
   const auto refused = BusBoard::open(servos, servos, wrapped);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find(
-                "servo 1 (pan): in bus.json its range of -86 to 86 degrees means "
-                "positions 3022 to 4978, but the servo has 0 to 4095"),
+                "servo 1 (pan): in bus.json, its range of -86 to 86 degrees corresponds to "
+                "positions 3022 to 4978, but the servo has positions 0 to 4095"),
             std::string::npos)
       << refused.error().message;
   servos.add(1, 3500);  // 128 degrees by bus.json

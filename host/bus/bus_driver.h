@@ -55,7 +55,7 @@ class BusDriver {
 
   struct Greeting {
     std::optional<int> model, mode;  // numbers as reported by the servo; empty: no answer
-    // Name of a register that the servo did not accept; empty: the servo accepted all registers
+    // Name of a register whose write the servo rejected; empty: the servo accepted all writes.
     std::string_view refused = {};
   };
   // Reads model and mode, and prepares the servo for targets. Returns nullopt if the servo does not answer.
@@ -81,14 +81,15 @@ class BusDriver {
   virtual Result<std::vector<std::optional<ServoState>>> read_all(Servos servos) = 0;
   // Switches torque on with the position `steps` as goal, but only if the servo accepts this goal. Returns
   // false if the servo rejects the goal or does not confirm that torque is on. If hold() returns false, call
-  // release(), because the goal alone may have switched the torque on.
+  // release(). Reason: on some servos, the goal alone switches the torque on.
   Result<bool> hold(const Servo& servo, double steps);
   // Torque state in a servo's answer. `silent`: no answer, or an answer without a value.
   enum class Torque : std::uint8_t { off, on, silent };
   static constexpr Time kReleaseWithin = std::chrono::milliseconds(150);
-  // Switches torque off with one packet to all servos. Then reads the torque state of each servo, and writes
-  // again until the servo answers `off`. Makes at most three rounds over all servos. If the time `within`
-  // has passed, returns early, but not before reading the torque state of the first servo once.
+  // Switches torque off with one packet to all servos. Then reads the torque state of each servo, at most
+  // three times, until the state is `off`. Before the second and the third reading, writes the servo's torque
+  // register again. Returns early once the time `within` has passed, but always reads the first servo's state
+  // once.
   Result<std::vector<Torque>> release(Servos servos, Time within = kReleaseWithin);
   struct Goal {
     const Servo* servo;
@@ -96,9 +97,9 @@ class BusDriver {
   };
   // Sends goals in as few requests as possible; servos do not answer these requests.
   virtual Result<void> move(std::span<const Goal> goals) = 0;
-  // Prepares servos that were stopped by a protection of the servo, such as the overload protection. After
-  // this call, the servos can be switched on again at their present positions. Returns for each servo whether
-  // the servo accepted the recovery. After this call, the torque of the servos may be on, so call release().
+  // Prepares servos that were stopped by an internal protection, such as the overload protection. After this
+  // call, the servos can be switched on again at their present positions. Returns for each servo whether the
+  // servo accepted the recovery. After this call, the torque of the servos may be on, so call release().
   virtual Result<std::vector<bool>> recover(std::span<const Goal> troubled) = 0;
 
   virtual const Counts& counts() const = 0;

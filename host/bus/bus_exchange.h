@@ -1,4 +1,4 @@
-// Requests and answers on a half-duplex bus, one at a time.
+// Sends requests on a half-duplex bus and receives the answers, one at a time.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The template parameter Wire defines the packets. Its members are the types Packet and Reader, and the
@@ -23,8 +23,7 @@ class BusExchange {
  public:
   using Packet = typename Wire::Packet;
   using Answer = std::optional<Packet>;
-  // Timeout of an answer. The timeout is longer than the delay that an adapter causes if its low-latency mode
-  // is off.
+  // Timeout of an answer. The timeout is longer than the delay of an adapter without low-latency mode.
   static constexpr Time kAnswerWithin = std::chrono::milliseconds(30);
   // Maximum number of transmissions of a request in query().
   static constexpr int kTries = 2;
@@ -32,8 +31,7 @@ class BusExchange {
   BusExchange(Link& link, Clock& clock) : link_(link), clock_(clock) {}
 
   // Discards bytes that arrived earlier, and sends a request. If the link cannot be read or does not become
-  // silent, the request is sent nevertheless, because the request may switch torque off. The error is
-  // returned after the request was sent.
+  // silent, still sends the request, and then returns the error. Reason: the request may switch torque off.
   Result<void> send(const Packet& request) {
     const auto drained = drain(link_, clock_);
     come_.clear();

@@ -310,8 +310,8 @@ std::vector<ScanRemark> remarks_on(const ScannedServo& servo, Protocol protocol)
   if (servo.damaged >= 3 && 4 * servo.damaged >= servo.requests) {
     std::snprintf(
         text, sizeof text,
-        "%d of %d answers are damaged, perhaps because two servos have this id: connect one alone "
-        "and give it another id",
+        "%d of %d answers are damaged, perhaps because two servos have this id: connect one of "
+        "them alone and change its id",
         servo.damaged, servo.requests);
     all.push_back({true, text});
   } else if (bad > 0) {

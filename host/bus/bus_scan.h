@@ -18,8 +18,8 @@ struct ScannedServo {
   int number = -1;                          // model number as reported by the servo; -1: unknown
   const servo_bus::Model* model = nullptr;  // null: no table of models contains `number`
   // Counts over all pings and readings: requests sent, requests without an answer, and damaged answers.
-  // `late` counts requests that failed while this machine was late. Such failures are not in `lost` and
-  // `damaged`, because their cause is undecided.
+  // `late` counts requests that failed while this process was delayed (lateness.h). `lost` and `damaged` do
+  // not include such failures, because their cause is unknown.
   int requests = 0, lost = 0, damaged = 0, late = 0;
   std::vector<double> round_trips_s;  // times from the first byte sent to the last byte received
   // Values from the newest reading; only lowest_volts is the minimum over all readings. NAN or -1: not read.
@@ -31,15 +31,15 @@ struct ScannedServo {
 
 struct ScanOptions {
   int first_id = 0, last_id = 252;
-  int readings = 20;  // how many times the scan reads each servo that it finds
+  int readings = 20;  // number of readings of each servo that was found
   Time within{};      // timeout of an answer, without the transmission time; 0 selects 8 ms
   // Called before each id of the first pass.
   std::function<void(int id)> progress = nullptr;
   // Measures delays of this process in real time. May be null. If `lateness` is not null, pass the same
   // LatenessMeter to scan_bus() as link and as clock.
   LatenessMeter* lateness = nullptr;
-  // Called for each id that stays undecided: no servo answered, but this machine was late in all repetitions.
-  // `excuse` is the text from LatenessMeter::excuse().
+  // Called for each id for which the result is undecided: no servo answered, but this process was delayed in
+  // every repetition. `excuse` is the text from LatenessMeter::excuse().
   std::function<void(int id, const std::string& excuse)> undecided = nullptr;
 };
 
@@ -48,7 +48,7 @@ struct ScanOptions {
 Result<std::vector<ScannedServo>> scan_bus(Link& link, Clock& clock, servo_bus::Protocol protocol,
                                            long baud, const ScanOptions& options);
 
-// Returns the bit rates of the protocol's models: the factory setting first, then the others in falling
+// Returns the bit rates of the protocol's models: the factory setting first, then the others in descending
 // order.
 std::vector<long> bus_rates(servo_bus::Protocol protocol);
 

@@ -54,7 +54,7 @@ class DynamixelDriver final : public BusDriver {
   // The first complete answer to a fast sync read sets was_fast_ to true. If may_be_fast_ is false, the
   // driver does not use fast sync read. Two events set may_be_fast_ to false:
   // - The firmware of a servo is too old for fast sync read.
-  // - A fast sync read gets no answer for the second time, and was_fast_ is still false.
+  // - Two fast sync reads got no answer, and was_fast_ is still false.
   bool may_be_fast_ = true, was_fast_ = false;
   int fast_silences_ = 0;
   Time circuit_due_{};  // time at which voltages and temperatures are read next

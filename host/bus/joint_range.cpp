@@ -88,7 +88,7 @@ RangePlan plan_range(const BusServo& servo, double lower_rad, double upper_rad,
   if (std::abs(sweep.width() - wanted) > std::max(kShare * wanted, kLeast * per_rad))
     return fault(
         "the joint was turned through " + degrees(sweep.width(), model) +
-        ", but the robot file gives " + degrees(wanted, model) +
+        ", but its range in the robot file is " + degrees(wanted, model) +
         ": turn the joint from one stop to the other, or correct its limits in the robot file");
 
   // Positions at the stops afterwards: those read, shifted by `shift`.

@@ -6,8 +6,8 @@
 // Each equation is linear in the unknowns, and its noise has the standard deviation sigma:
 //   sum w_i angle_{j_i}(code_i) + sum v_n x_n = value + noise
 // The estimate is the mean of the posterior (Bayesian linear regression, Bishop 2006, section 3.3). So an
-// unknown that no equation determines keeps its prior mean. The uncertainty of this unknown is part of the
-// expected errors.
+// unknown keeps its prior mean if no equation determines it. The expected errors include the uncertainty of
+// this unknown.
 //
 // The board stores one straight line for each joint. This line is a least-squares fit to the estimated curve
 // over the joint's range. The expected error in `JointEstimate` includes the curve's deviation from this line

@@ -5,10 +5,10 @@
 // below recover the codes from the angles (docs/reference/protocol.md).
 //
 // Stops lie outside the joint limits, and a board does not drive a joint beyond its limits. So the
-// calibration in RAM is replaced by a calibration with 0.85 of the nominal scale. With this calibration,
-// every stop seems to be well inside the limits. To press against a stop, a joint gets a target 6 degrees
-// beyond the stop. The gains are low. So most joints press against their stops with about a third of their
-// maximum torque. The joints of the hands press with about a sixth of their maximum torque. The caller
+// calibration in RAM is replaced by a calibration with 0.85 of the nominal scale. With this calibration, the
+// computed angle of every stop is well inside the limits. To press against a stop, a joint gets a target 6
+// degrees beyond the stop. The gains are low. So most joints press against their stops with about a third of
+// their maximum torque. The joints of the hands press with about a sixth of their maximum torque. The caller
 // ensures free space: only the stop may end a joint's motion.
 //
 // Afterwards, the caller must restore gains, limits and calibration.
@@ -48,8 +48,8 @@ using OnReading = std::function<void(double share, const std::string& what)>;
 // Switches all motors off and sets the calibration for stops in RAM.
 Result<void> prepare_for_stops(host::Robot& robot);
 // Runs the motions of the group on a suspended robot, after prepare_for_stops(). Appends to `readings` after
-// each press, so that earlier readings survive a failure. On success, the motors are off. Fails if the link
-// is lost, the board is reset, the board switches motors off, or the program is interrupted.
+// each press, so that earlier readings are kept after a failure. On success, the motors are off. Fails if the
+// link is lost, the board is reset, the board switches motors off, or the program is interrupted.
 Result<void> read_stops(host::Robot& robot, const MotionGroup& group, const OnReading& on,
                         std::vector<StopReading>& readings);
 
@@ -72,9 +72,9 @@ Result<FloorReading> read_here(host::Robot& robot,
 // Standard deviation of the angle at a stop, rad. Stops are milled with a tolerance of 0.1 degrees. Under
 // load, they yield by less than 0.1 degrees.
 inline constexpr double kStopSigma = 0.1 * kDegree;
-// Standard deviation of the angle that a stored line gives for a stop, rad. Some stored lines were fitted not
-// only to the stops, but also to floor readings or to a gauge. The angle that such a line gives for a stop
-// can differ from the true angle of the stop. So this value is larger than kStopSigma.
+// Standard deviation of the angle of a stop, computed with a stored line, rad. Some stored lines were fitted
+// not only to the stops, but also to floor readings or to a gauge. With such a line, the computed angle of a
+// stop can differ from the true angle. So this value is larger than kStopSigma.
 inline constexpr double kStoredSigma = 0.2 * kDegree;
 
 // Adds one equation for each reading without a fault.
@@ -85,8 +85,8 @@ void add_stops(JointEstimator& to, const std::vector<StopReading>& readings);
 void add_stops(JointEstimator& to, int joint, const host::JointCalibration& line);
 
 // Returns the prior standard deviations (g) of the additional unknowns of add_floor(). Each reading has two
-// of these unknowns: forward and left. Each unknown is the change of the accelerometer's zero offset since
-// the previous reading; for the first reading, the unknown is the zero offset itself.
+// of these unknowns: forward and left. For the first reading, the unknown is the zero offset of the
+// accelerometer. For each later reading, the unknown is the change of this offset since the previous reading.
 std::vector<double> floor_unknowns(const std::vector<FloorReading>& readings);
 // Adds equations which state that both soles lie on one plane. If FloorReading::has_force is true, the normal
 // of this plane is also the direction of the specific force. Precondition: `to` was constructed with the

@@ -1,8 +1,8 @@
 // Calibration model of a potentiometer: nominal line, offset, and deviation from the line.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Let u = 2 (code + 1/2) / 1024 - 1, from -1 to 1 over the track. The converter rounds down, so a code stands
-// for the middle of an interval. This formula gives the joint's angle in rad:
+// Let u = 2 (code + 1/2) / 1024 - 1, from -1 to 1 over the track. The converter rounds down. So each code is
+// assigned to the middle of its interval. This formula gives the joint's angle in rad:
 //   angle(code) = nominal(code) + p0 + p1 u + (1 - u^2) (p2 + p3 a u + p4 b (9 u^2 - 1)).
 // In this formula, p0 is the mounting offset, and p1 is the tolerance of the track's length. The other terms
 // are the linearity error of the resistive element. By the manufacturers' definition, the linearity error is

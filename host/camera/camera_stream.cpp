@@ -20,7 +20,7 @@ Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& 
     return fail(Fault::environment,
                 "the camera stream at " + path + " has version " + std::to_string(header.version) +
                     " and this program reads version " + std::to_string(kCameraStreamVersion) +
-                    ": run simulator and program of the same release");
+                    ": run simulator and program from the same release");
   }
   const auto impossible = [&](const std::string& what) {
     return fail(Fault::environment, "the camera stream at " + path +
@@ -52,9 +52,10 @@ Result<CameraStream> parse(const CameraStreamHeader& header, const std::string& 
 Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream& stream, Time now,
                                 const std::string& path) {
   if (!std::equal(std::begin(kCameraPairMagic), std::end(kCameraPairMagic), pair.magic)) {
-    return fail(Fault::environment,
-                "camera " + path +
-                    " stopped: the data is not a stereo pair; run both ends from the same release");
+    return fail(
+        Fault::environment,
+        "camera " + path +
+            " stopped: the data is not a stereo pair; run both programs from the same release");
   }
   vision::FrameInfo info;
   info.sequence = pair.sequence;
@@ -64,7 +65,7 @@ Result<vision::FrameInfo> parse(const CameraStreamPair& pair, const CameraStream
   if (info.exposure < Time(0) || info.exposure > later(now, kMaxCameraAhead)) {
     return fail(Fault::environment, "camera " + path + " stopped: a pair has the exposure time " +
                                         std::to_string(pair.exposure_ns) +
-                                        " ns, which is not on this machine's clock");
+                                        " ns, which is not a valid time on this machine's clock");
   }
   return info;
 }

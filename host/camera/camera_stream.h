@@ -14,8 +14,8 @@ struct CameraStream {
   Time latency{};  // time from the middle of the exposure to the delivery of the pair
 };
 
-// kMaxCameraLatency is the maximum latency. kMaxCameraAhead limits how far the time of an exposure can be
-// ahead of the reader's clock. Writer and reader of a stream use CLOCK_MONOTONIC of the same machine.
+// kMaxCameraLatency is the maximum latency. kMaxCameraAhead is the maximum time by which an exposure may be
+// later than the reader's clock. Writer and reader of a stream use CLOCK_MONOTONIC of the same machine.
 inline constexpr Time kMaxCameraLatency = std::chrono::seconds(10);
 inline constexpr Time kMaxCameraAhead = std::chrono::seconds(10);
 

@@ -73,8 +73,8 @@ Result<int> connect_socket(const std::string& path) {
     switch (errno) {
       case ENOENT:
       case ENOTDIR:
-        return refuse("no program publishes it; start `kaz sim` with `--cameras " + path +
-                      "` first");
+        return refuse("no program publishes a camera there; start `kaz sim` with `--cameras " +
+                      path + "` first");
       case ECONNREFUSED:
         if (stat(path.c_str(), &info) == 0 && !S_ISSOCK(info.st_mode)) {
           return refuse("it is a file, not a socket made by `kaz sim --cameras`");
@@ -155,7 +155,8 @@ bool PublishedCamera::read(std::span<std::uint8_t> to, const char* part, Time de
   char text[160];
   std::snprintf(
       text, sizeof text,
-      " stopped: no pair came for %.3g s, %s is missing; check whether its publisher is paused",
+      " stopped: no complete pair came for %.3g s, because %s is missing; check whether the "
+      "publisher is paused",
       seconds(silence_), part);
   stop({Fault::environment, "camera " + path_ + text});
   return false;
@@ -168,7 +169,7 @@ void PublishedCamera::read_pairs() {
   while (true) {
     const Time deadline = WallClock().now() + silence_;
     CameraStreamPair header{};
-    if (!read({reinterpret_cast<std::uint8_t*>(&header), sizeof header}, "the next one", deadline))
+    if (!read({reinterpret_cast<std::uint8_t*>(&header), sizeof header}, "the next pair", deadline))
       return;
     auto info = parse(header, stream_, WallClock().now(), path_);
     if (!info) return stop(info.error());

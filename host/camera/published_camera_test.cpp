@@ -166,8 +166,8 @@ TEST(PublishedCamera, StopsInTheMiddleOfAPicture) {
 TEST(PublishedCamera, SaysThatNothingComes) {
   CameraStreamPair head{};
   std::memcpy(head.magic, kCameraPairMagic, sizeof head.magic);
-  for (const auto& [parts, missing] : {std::pair{-1, "the next one"},
-                                       {0, "the next one"},
+  for (const auto& [parts, missing] : {std::pair{-1, "the next pair"},
+                                       {0, "the next pair"},
                                        {1, "the left picture"},
                                        {2, "the right picture"},
                                        {3, "the right picture"}}) {
@@ -185,9 +185,9 @@ TEST(PublishedCamera, SaysThatNothingComes) {
     const auto end = wait_for_pair(*camera);
     ASSERT_FALSE(end) << missing;
     EXPECT_EQ(end.error().fault, Fault::environment);
-    EXPECT_EQ(end.error().message, "camera " + publisher.path() +
-                                       " stopped: no pair came for 1 s, " + missing +
-                                       " is missing; check whether its publisher is paused");
+    EXPECT_EQ(end.error().message,
+              "camera " + publisher.path() + " stopped: no complete pair came for 1 s, because " +
+                  missing + " is missing; check whether the publisher is paused");
   }
 }
 
@@ -234,7 +234,8 @@ std::string error_from(const CameraStreamHeader& with,
 }
 
 TEST(PublishedCamera, SaysWhyThereIsNone) {
-  EXPECT_NE(error_at("/nowhere/at/all").find("no program publishes it"), std::string::npos);
+  EXPECT_NE(error_at("/nowhere/at/all").find("no program publishes a camera there"),
+            std::string::npos);
   EXPECT_NE(error_at(std::string(200, 'x')).find("at most 107 characters"), std::string::npos);
 
   const auto file =
@@ -303,7 +304,8 @@ TEST(PublishedCamera, RefusesTimesOfAnotherClock) {
     const auto pair = wait_for_pair(*camera);
     ASSERT_FALSE(pair) << exposure.count();
     EXPECT_NE(pair.error().message.find(publisher.path()), std::string::npos);
-    EXPECT_NE(pair.error().message.find("not on this machine's clock"), std::string::npos)
+    EXPECT_NE(pair.error().message.find("not a valid time on this machine's clock"),
+              std::string::npos)
         << pair.error().message;
   }
 }

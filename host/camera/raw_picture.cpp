@@ -98,8 +98,8 @@ Result<void> convert_picture(std::span<const std::uint8_t> bytes, const RawLayou
   const auto height = static_cast<std::size_t>(layout.height);
   const std::size_t wanted = height == 0 ? 0 : stride * (height - 1) + row;
   if (bytes.size() < wanted)
-    return fail(Fault::environment, "the picture has " + std::to_string(bytes.size()) +
-                                        " bytes of " + std::to_string(wanted));
+    return fail(Fault::environment, "the picture has only " + std::to_string(bytes.size()) +
+                                        " of " + std::to_string(wanted) + " bytes");
   image.width = layout.width;
   image.height = layout.height;
   image.rgb.resize(3 * width * height);

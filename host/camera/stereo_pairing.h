@@ -32,9 +32,9 @@ class StereoPairing {
   // Size of each side's queue. If a queue is full, its oldest picture is dropped.
   static constexpr std::size_t kMostWaiting = 8;
 
-  // `tolerance`: maximum time between the exposures of a pair. If `tolerance` is at most half the cameras'
-  // period, the first picture within the tolerance is the nearest partner. So pairing does not wait for later
-  // pictures.
+  // `tolerance`: maximum time between the exposures of a pair. Recommended: at most half the period of the
+  // cameras. Then the first picture within the tolerance is the nearest partner, and pairing does not wait
+  // for later pictures.
   explicit StereoPairing(Time tolerance) : tolerance_(tolerance) {}
 
   // Queues a picture. Drops and counts a picture whose exposure is not later than the exposure of the side's

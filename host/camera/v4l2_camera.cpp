@@ -165,8 +165,8 @@ bool V4l2Camera::still_alive() {
   }
   if (now < paired_ + silence_) return true;
   std::snprintf(text, sizeof text,
-                " stopped: pictures come, but for %.3g s no two were valid and at most %.3g ms "
-                "apart; try another format or fps",
+                " stopped: pictures come, but for %.3g s there was no valid pair with at most "
+                "%.3g ms between its pictures; try another format or fps",
                 seconds(silence_), 1e3 * seconds(pairing_.tolerance()));
   stop({Fault::environment,
         "cameras " + devices_[0]->path() + " and " + devices_[1]->path() + text});

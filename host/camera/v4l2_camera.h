@@ -1,4 +1,4 @@
-// Two cameras of this machine as one stereo camera, over Linux's video interface (V4L2).
+// Combines two cameras of this machine into one stereo camera, over Linux's video interface (V4L2).
 // SPDX-License-Identifier: Apache-2.0
 //
 // A thread reads the pictures of both devices, pairs them by time, converts and rectifies them. The cameras

@@ -4,11 +4,12 @@
 // Uses the kernel interface (linux/videodev2.h) with single-planar capture and memory-mapped buffers. A
 // picture's time is the buffer's time stamp on CLOCK_MONOTONIC, the host's clock (docs/explanation/time.md).
 // The buffer's flag shows whether a stamp marks the start of the exposure or the end of the frame. The
-// exposure time is read once, at the start of the stream (V4L2_CID_EXPOSURE_ABSOLUTE). To get the middle of
-// the exposure, half of the exposure time is added to a stamp at the start of the exposure, and subtracted
-// from any other stamp. A picture cannot be exposed after its arrival. If the computed middle of the exposure
-// is later than the arrival, the time of arrival is used instead, and the picture is counted. No interface
-// reports the readout time of a rolling shutter, so the readout time is ignored.
+// exposure time is read once, at the start of the stream (V4L2_CID_EXPOSURE_ABSOLUTE). The middle of the
+// exposure is computed with half of the exposure time. This half is added to a stamp at the start of the
+// exposure, and subtracted from any other stamp. A picture cannot be exposed after its arrival. If the
+// computed middle of the exposure is later than the arrival, the time of arrival is used instead. ahead()
+// counts these pictures. No interface reports the readout time of a rolling shutter, so the readout time is
+// ignored.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,8 @@ namespace kaz::host {
 struct V4l2Wanted {
   int width = 0, height = 0;  // px; the camera must support exactly this size
   double rate_hz = 30;        // pictures per second; the camera's nearest rate is used
-  // Empty: the first of the formats yuyv, rgb24, mjpeg and grey in which the camera reaches the rate.
+  // Empty: selects the first format in which the camera reaches the rate. The order of formats is yuyv,
+  // rgb24, mjpeg, grey.
   std::optional<PixelFormat> format;
 };
 
@@ -43,7 +45,7 @@ Time middle_of_exposure(Time stamp, Stamp kind, Time exposure_time);
 class V4l2Device {
  public:
   // Opens the device and negotiates a mode. Returns the errors of v4l2_error(). Also fails if `path` is not a
-  // video device, or if the device cannot capture pictures. Also fails unless the device offers single-planar
+  // video device, or if the device cannot capture pictures. Also fails if the device has no single-planar
   // pictures of the wanted size in a supported format.
   static Result<std::unique_ptr<V4l2Device>> open(const std::string& path,
                                                   const V4l2Wanted& wanted);

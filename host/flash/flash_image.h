@@ -42,8 +42,8 @@ struct ImageIdentity {
 class FlashImage {
  public:
   FlashImage();
-  // Loads an S-record, Intel HEX, COFF or ELF file, recognized by its contents, or a raw file with an
-  // address. Errors (usage): a damaged file, or bytes outside the flash.
+  // Loads an S-record, Intel HEX, COFF or ELF file, and detects the format from the contents. Also loads a
+  // raw file at the address in `options`. Errors (usage): a damaged file, or bytes outside the flash.
   static Result<FlashImage> load(const std::string& path, const h8s::LoadOptions& options = {});
 
   // Copies bytes into the image. All flash lines that contain these bytes become part of the image. The bytes

@@ -115,7 +115,7 @@ Result<void> check_foreign(const FlashImage& image, bool through_boot) {
       Fault::usage,
       Diagnostic{
           "the resident loader cannot write any part of the image",
-          "bytes outside EB0 (vectors) and EB6 (loader), which the loader keeps",
+          "bytes outside EB0 (vectors) and EB6 (loader); the loader protects these blocks",
           kept_blocks.empty() ? "no bytes" : "only bytes in " + kept_blocks,
           {"the image contains no application, but only vectors or loader",
            "the image was built for another address"},
@@ -190,12 +190,13 @@ Result<bool> Flasher::enter_loader() {
   leave.fields.length = kz_pack_loader(&key, leave.fields.bytes.data());
   const auto reply = requester.exchange(std::span(&leave, 1));
   if (reply && reply->front().refused) {
-    return fail(Fault::failed, Diagnostic{"the board does not enter its loader",
-                                          "the board stops its application",
-                                          "a refusal",
-                                          {"its motors are on"},
-                                          "stop the motors (`kaz status " +
-                                              robot_option(link_.name()) + "`), try again"});
+    return fail(Fault::failed,
+                Diagnostic{"the board does not enter its loader",
+                           "the board stops its application",
+                           "a refusal",
+                           {"its motors are on"},
+                           "switch the motors off (`kaz status " + robot_option(link_.name()) +
+                               "` shows their state), then try again"});
   }
   // The reply may be lost although the board resets. The watchdog takes 7 ms, the loader 1 ms.
   for (int k = 0; k < 10; ++k) {

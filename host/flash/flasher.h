@@ -29,7 +29,8 @@ struct FlashProgress {
   // Mean rate since the phase began. The rate is 0 in phase "erase", and as long as no rate is measured.
   double bytes_per_s = 0;
 };
-// Returns "write 512 of 33088 bytes, 8.1 KB/s"; without the rate if the rate is 0.
+// Returns a text such as "write 512 of 33088 bytes, 8.1 KB/s". If the rate is 0, the text ends before the
+// rate.
 std::string progress_text(const FlashProgress& progress);
 
 struct FlasherOptions {
@@ -40,8 +41,8 @@ struct FlasherOptions {
   // If true, accepts an image for another board, or an image that is not a Kaz application.
   bool force = false;
   // Measures the delays of this process in real time; may be null. If `lateness` is not null, the link and
-  // the clock of the flasher must both be `*lateness`. Steps that failed while this machine was late are
-  // repeated.
+  // the clock of the flasher must both be `*lateness`. A step is repeated if it failed while this process was
+  // delayed.
   LatenessMeter* lateness = nullptr;
   std::function<void(const FlashProgress&)> progress;
   std::function<void(const std::string&)> note;  // called with one line for the user
@@ -90,8 +91,8 @@ class Flasher {
   // nothing. After success, found() contains the board's id. Returns false if the board does not answer, for
   // example because it is erased.
   Result<bool> enter_loader();
-  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. If an
-  // earlier call of enter_loader() found the board id, board_id() still returns this id afterwards.
+  // Loads the flash writer through boot mode, which erases the whole flash. Retries after line errors. Keeps
+  // the board id from an earlier call of enter_loader(), so that board_id() still returns it.
   Result<void> enter_boot(BoardReset& reset);
 
   const std::optional<WriterInfo>& found() const { return info_; }
@@ -101,7 +102,7 @@ class Flasher {
   // except the application's header. At the end, writes and verifies the header.
   //
   // A write through the loader does not change the blocks of vectors and loader. If the image is a Kaz
-  // application, such a write also leaves calibration and address unchanged, even if the image contains their
+  // application, such a write also keeps calibration and address, even if the image contains data for their
   // blocks.
   Result<FlashReport> write(const FlashImage& image);
   // Compares the flash with the image. Errors (failed): the message names the first range or blocks that
@@ -127,8 +128,8 @@ class Flasher {
   Result<void> erase_block(int block);
   Result<void> compare(const std::vector<FlashRange>& ranges, const FlashImage& image);
   bool kept(std::uint32_t address) const;
-  // Returns true if writing `image` leaves the flash at `address` unchanged because its block holds the
-  // calibration or the board's address. Such a block stays unchanged if `image` is a Kaz application and is
+  // Returns true if `address` is in a block with the calibration or the board's address, and this block stays
+  // unchanged when `image` is written. The block stays unchanged if `image` is a Kaz application and is
   // written through the loader.
   bool is_setting(std::uint32_t address, const FlashImage& image) const;
   void report_line(const std::string& line) const;

@@ -266,10 +266,10 @@ Result<WriterInfo> WriterLink::info(Time patience, int tries) {
   const auto id = static_cast<std::uint16_t>(reply->data[2] << 8 | reply->data[3]);
   if (id != 0xffff) info.board_id = id;
   if (info.protocol != KZ_WRITER_PROTOCOL)
-    return kaz::fail(Fault::environment, "the flash writer speaks version " +
-                                             std::to_string(info.protocol) + ", this program " +
-                                             std::to_string(KZ_WRITER_PROTOCOL) +
-                                             "; use the writer.bin of this program");
+    return kaz::fail(Fault::environment,
+                     "the flash writer speaks protocol version " + std::to_string(info.protocol) +
+                         ", but this program speaks version " + std::to_string(KZ_WRITER_PROTOCOL) +
+                         "; use the writer.bin of this program");
   return info;
 }
 

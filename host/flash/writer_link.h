@@ -48,8 +48,8 @@ class WriterLink {
  public:
   // All arguments must outlive this object. `lateness` measures the delays of this process in real time;
   // `lateness` may be null. If `lateness` is not null, the arguments `link` and `clock` must both be
-  // `*lateness`. A failed try does not count if this machine was late during the try. In each exchange, at
-  // most LatenessMeter::kRepetitions failed tries are left uncounted.
+  // `*lateness`. A failed try does not count if this process was delayed during the try. In each exchange,
+  // this rule applies to at most LatenessMeter::kRepetitions tries.
   WriterLink(Link& link, Clock& clock, LatenessMeter* lateness = nullptr)
       : link_(link), clock_(clock), lateness_(lateness) {}
 
@@ -87,8 +87,8 @@ class WriterLink {
   // sent them late.
   Result<void> settle();
   void begin_try();
-  // Returns whether the failed try since begin_try() is excused because this machine was late. `left` is the
-  // number of tries that can still be excused. If the function returns true, it decrements `left`.
+  // Returns whether the try since begin_try() failed because this process was delayed. `left` is the number
+  // of tries that can still be excused in this way. Decrements `left` before it returns true.
   bool excused(int& left) const;
   tl::unexpected<Error> no_answer(int tries) const;
 

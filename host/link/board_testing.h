@@ -1,4 +1,4 @@
-// For tests: the real servo code behind a simulated serial line, clock and motors, in one thread.
+// For tests: runs the real servo code with a simulated serial line, clock and motors, in one thread.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -34,8 +34,8 @@ class ClockRelation {
   // most 200 ppm.
   static constexpr double kDriftBound = 200e-6;
 
-  // `byte_time`: duration of one byte on the wire; zero if unknown. An unknown byte time makes the error
-  // bound larger.
+  // `byte_time`: duration of one byte on the wire; zero if unknown. If the byte time is unknown, the error
+  // bound is larger.
   explicit ClockRelation(Time byte_time) : byte_time_(byte_time) {}
 
   struct Exchange {

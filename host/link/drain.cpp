@@ -26,8 +26,8 @@ Result<void> drain(Link& link, Clock& clock) {
                 link.name() + ": unrequested bytes keep arriving, " + std::to_string(bytes) +
                     " in " + std::to_string(taken.count() / 1'000'000) +
                     " ms (limits: " + std::to_string(kMostBytes) +
-                    " and 100 ms): disconnect the device that sends on its own, or end the other "
-                    "program at this port");
+                    " bytes and 100 ms): disconnect the device that sends on its own, or end the "
+                    "other program at this port");
   }
   return {};
 }

@@ -48,8 +48,8 @@ class Exchanger {
   // failure, no request is pending.
   virtual Result<std::vector<Reply>> exchange(std::span<const Request> requests) = 0;
 
-  // With post() and collect() instead of exchange(), a request can leave while earlier replies arrive. The
-  // function post() queues a request and does not wait for its reply.
+  // With post() and collect(), the host can send a request while earlier replies arrive. exchange() cannot do
+  // this. The function post() queues a request and does not wait for its reply.
   using Ticket = std::uint64_t;
   virtual Result<Ticket> post(const Request& request) = 0;
   // Waits until `deadline` for the reply to the request with this ticket. Returns nullopt if the reply has

@@ -1,4 +1,4 @@
-// A link that injects line faults (docs/reference/simulator.md) on any port, including real ones.
+// A link that injects line faults (docs/reference/simulator.md) on simulated and real ports.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Supports only faults of the line. This class cannot inject framing errors. So an error of the bit rate

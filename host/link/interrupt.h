@@ -1,4 +1,4 @@
-// A request to stop the program, from a signal handler or another thread. The request ends all waiting.
+// A request to stop the program, from a signal handler or another thread. The request ends all waits.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace kaz::host {
 
-// At its creation, each real-time link, each real-time clock and each object of a class in interruptible.h
-// gets an Interrupt. After request(), Clock::sleep_until and Link::read fail with error() at once, until
+// Each real-time link, each real-time clock, and each object of a class in interruptible.h gets an Interrupt
+// when it is created. After request(), Clock::sleep_until and Link::read fail with error() at once, until
 // withdraw() is called. While a CleanUp is active, Clock::sleep_until and Link::read ignore request().
 // Link::write always works, so that a program that exits can switch the motors off.
 class Interrupt {
@@ -53,8 +53,8 @@ class Interrupt {
   static_assert(std::atomic<bool>::is_always_lock_free);
 };
 
-// Suspends an interrupt during the lifetime of this object, but at most for `longest`. Meanwhile, the program
-// can wait for replies and read them, for example to restore a board. Only one CleanUp may exist at a time.
+// Suspends an interrupt during the lifetime of this object, but at most for `longest`. During this time, the
+// program can wait for replies, for example to restore a board. Only one CleanUp may exist at a time.
 class CleanUp {
  public:
   explicit CleanUp(Interrupt& interrupt,

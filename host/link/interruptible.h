@@ -1,8 +1,8 @@
 // Interruptible link and clock for simulated time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// In simulated time, a wait is a computation. The classes below divide each wait into slices, so that an
-// interrupt ends even a long wait soon. The slices do not change the simulation.
+// In simulated time, a wait consists of computing the simulation. The classes below divide each wait into
+// slices, so that an interrupt ends even a long wait soon. The slices do not change the simulation.
 #pragma once
 
 #include <algorithm>

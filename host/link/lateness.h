@@ -4,8 +4,7 @@
 // On a busy machine, a process may wait for the processor, and then send requests late and read replies late.
 // During such a delay, a board's watchdog may react, or a timeout may expire. LatenessMeter forwards all
 // calls and compares the end of each wait with the deadline of the wait. LatenessMeter divides a long wait
-// for bytes into slices. The slices distinguish two causes of a delay: the bytes arrived late, or read()
-// returned late.
+// for bytes into slices. The slices show whether the bytes arrived late or read() returned late.
 #pragma once
 
 #include <functional>
@@ -26,8 +25,8 @@ class LatenessMeter final : public Link, public Clock {
   // kExcusingShare of the time since begin().
   static constexpr Time kExcusing = std::chrono::milliseconds(5);
   static constexpr double kExcusingShare = 0.02;
-  // Maximum number of repetitions of an operation that failed while this process was late. If all repetitions
-  // also fail and the process was late each time, the result is undecided.
+  // Maximum number of repetitions of an operation that failed while this process was delayed. If this process
+  // was delayed in every repetition and all repetitions fail, the result is undecided.
   static constexpr int kRepetitions = 3;
 
   // Returns the total time by which the program at the other end of the link (a simulator) lags behind real
@@ -47,9 +46,9 @@ class LatenessMeter final : public Link, public Clock {
   Time longest() const { return longest_; }
   Time total() const { return total_; }
   // Explains why a failure since begin() is inconclusive: "this program was kept waiting for up to 34 ms
-  // ...". Returns an empty text if both this process and the program at the other end were on time; a failure
-  // is then the board's fault. The measured operation tolerates delays shorter than `at_least`. So such
-  // delays are never an excuse, not even many of them together.
+  // ...". Returns an empty text if neither this process nor the program at the other end was delayed. Then
+  // the failure is the board's fault. The measured operation tolerates delays shorter than `at_least`. So
+  // such delays never explain a failure, no matter how many there are.
   std::string excuse(Time at_least = Time::zero()) const;
   // Whether the last excuse() found that the program at the other end does not reply. If the result is true,
   // further repetitions are useless.
@@ -77,9 +76,9 @@ class LatenessMeter final : public Link, public Clock {
   Time began_, left_, longest_{}, total_{};
 };
 
-// Calls `attempt`. If `attempt` fails and meter->excuse(bears) explains the failure by a delay, the attempt
-// is repeated, at most kRepetitions times. An attempt tolerates delays shorter than `bears`. If `meter` is
-// null, there is only one attempt.
+// Calls `attempt`. If `attempt` fails and meter->excuse(bears) returns an explanation, the attempt is
+// repeated, at most kRepetitions times. `bears`: longest delay that an attempt tolerates. If `meter` is null,
+// there is only one attempt.
 template <class Attempt>
 auto repeat_if_late(LatenessMeter* meter, Attempt attempt, Time bears = Time::zero()) {
   for (int again = LatenessMeter::kRepetitions;; --again) {

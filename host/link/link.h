@@ -30,8 +30,8 @@ class Link {
   // Minimum duration of one byte on the wire; zero if unknown. A known duration tightens the error bounds of
   // ClockRelation.
   virtual Time byte_time() const { return Time::zero(); }
-  // Sets the bit rate of both directions. If bytes are still queued, it is uncertain whether these bytes
-  // leave at the old rate or at the new rate.
+  // Sets the bit rate of both directions. Bytes that are still queued may leave at the old rate or at the new
+  // rate.
   virtual Result<void> set_baud(int baud) {
     return fail(Fault::usage, name() + " cannot change its bit rate to " + std::to_string(baud));
   }

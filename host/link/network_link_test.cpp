@@ -255,7 +255,7 @@ TEST(Rfc2217Link, APeerThatDoesNotSpeakItIsASentence) {
   const auto link = Rfc2217Link::open({PortKind::rfc2217, "127.0.0.1", port_of(listener->get())});
   server.join();
   ASSERT_FALSE(link);
-  EXPECT_NE(link.error().message.find("does not speak RFC 2217: give tcp:127.0.0.1:"),
+  EXPECT_NE(link.error().message.find("does not support RFC 2217: give tcp:127.0.0.1:"),
             std::string::npos)
       << link.error().message;
 }
@@ -309,8 +309,8 @@ TEST(Rfc2217Link, APeerThatFloodsTheLinkIsAnErrorAndNoMemory) {
   EXPECT_EQ(set.error().fault, Fault::environment);
   EXPECT_EQ(set.error().message,
             (*link)->name() +
-                " sent more than 1048576 bytes while a command was being answered, which no serial "
-                "port does: check what serves that port");
+                " sent more than 1048576 bytes before the reply to a command; a serial port "
+                "cannot do this: check the server at this address");
 }
 
 TEST(Rfc2217Link, AFloodBeforeTheAgreementEndsAtTheDeadline) {
@@ -318,7 +318,7 @@ TEST(Rfc2217Link, AFloodBeforeTheAgreementEndsAtTheDeadline) {
   const Time begin = WallClock().now();
   const auto link = Rfc2217Link::open(server.address());
   ASSERT_FALSE(link);
-  EXPECT_NE(link.error().message.find("does not speak RFC 2217"), std::string::npos)
+  EXPECT_NE(link.error().message.find("does not support RFC 2217"), std::string::npos)
       << link.error().message;
   EXPECT_LT(WallClock().now() - begin, 5s);
 }

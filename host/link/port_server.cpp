@@ -175,7 +175,7 @@ Result<void> PortServer::receive() {
   const auto count = stream_.read(some, WallClock().now());
   if (!count && count.error().fault == Fault::interrupted) return tl::unexpected(count.error());
   if (!count) {
-    drop_client(leaving_ ? "left, or takes no bytes" : "left");
+    drop_client(leaving_ ? "left, or no longer reads the bytes sent to it" : "left");
   } else if (const auto admitted = guard_.admit(std::span(some).first(*count))) {
     wire_.assign(admitted->begin(), admitted->end());
   } else {
@@ -215,8 +215,8 @@ void PortServer::take_data() {
     data_ = std::move(data);
   } else if (!data.empty() && !std::exchange(warned_, true)) {
     options_.report(peer_ +
-                    " sent bytes before it agreed to RFC 2217 (telnet option 44), which were not "
-                    "passed on: connect by rfc2217:, or serve the port with --raw");
+                    " sent bytes before it agreed to RFC 2217 (telnet option 44); these bytes "
+                    "were dropped: connect with rfc2217:, or serve the port with --raw");
   }
 }
 

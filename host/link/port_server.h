@@ -28,10 +28,10 @@ namespace kaz::host {
 //
 // A client's bytes and commands stay in order. read() first returns all bytes that precede a command; the
 // next read() executes the command. So after each read(), the caller must forward the bytes to `board`, and
-// only then call read() again. LineBridge does so. The server changes the bit rate and the modem lines only
-// after board.drained() has returned true. If the port does not send a client's bytes within 5 s, the server
-// disconnects the client. All bytes that a client sent before leaving reach `board`, even if the client left
-// without reading.
+// only then call read() again. LineBridge follows this order. The server changes the bit rate and the modem
+// lines only after board.drained() has returned true. If the port does not send a client's bytes within 5 s,
+// the server disconnects the client. All bytes that a client sent before it left are forwarded to `board`.
+// This also applies to a client that left without reading its received bytes.
 class PortServer final : public PortLink {
  public:
   enum class Protocol { raw, rfc2217 };

@@ -118,7 +118,7 @@ Result<std::optional<Reply>> Requester::collect(Ticket ticket, Time deadline) {
     const auto waiting = std::find_if(queue_.begin(), queue_.end(),
                                       [&](const Waiting& w) { return w.ticket == ticket; });
     if (waiting == queue_.end()) {
-      return fail(Fault::failed, "the reply was given up when the link to the board on " +
+      return fail(Fault::failed, "the reply was discarded when the link to the board on " +
                                      link_.name() + " failed");
     }
     if (waiting->done) {
@@ -299,8 +299,8 @@ Result<void> Requester::repeat_overdue() {
 Result<void> Requester::repeat(Waiting& waiting) {
   const std::string request = std::string("`") + message_name(waiting.request.type) + "`";
   if (waiting.busy && clock_.now() - waiting.first > kBusyPatience) {
-    return fail(Fault::environment, "the board on " + link_.name() + " is always busy: " + request +
-                                        " was refused again and again");
+    return fail(Fault::environment, "the board on " + link_.name() + " remains busy: it refused " +
+                                        request + " again and again");
   }
   if (waiting.unanswered >= tries()) {
     timed_out_ = true;

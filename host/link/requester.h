@@ -9,19 +9,19 @@
 // another board) are counted and discarded.
 //
 // Some requests only switch motors off: `stop`, `enable` with mask 0, `unlock` with 0 seconds, and
-// `raw_drive` with duty 0. Each transmission of such a request has a new sequence number, because a board
-// with protocol version 2 never executes a repetition (clause REQ-12). A reply to any transmission of the
-// request counts. If the reply to a `stop` or to an `enable` with mask 0 reports that a motor is still on,
-// the request is repeated once. No request reuses one of the last 16 sequence numbers.
+// `raw_drive` with duty 0. Each transmission of such a request has a new sequence number, except after a
+// refusal as BUSY. Reason: a board with protocol version 2 never executes a repetition (clause REQ-12). A
+// reply to any transmission of the request counts. If the reply to a `stop` or to an `enable` with mask 0
+// reports that a motor is still on, the request is repeated once. No request reuses one of the last 16
+// sequence numbers.
 //
 // An old command never overtakes a newer command. A request that changes something waits until all earlier
 // requests that change something have been answered. While a request that changes something is pending, at
-// most one query is pending, too. So if the host repeats a request that changes something, the board receives
-// at most one query between the first transmission and the repetition. The board remembers
-// KZ_REQUESTS_REMEMBERED requests, so the board still recognizes the retry. The reply to a query shows the
-// effect of all commands that were posted before the query. If the query was lost and repeated, the reply can
-// also show the effect of requests that were posted after the query. The tick in the reply is the time of the
-// returned state.
+// most one query is pending, too. So between the first transmission of such a request and its repetition, the
+// board receives at most one query. The board remembers KZ_REQUESTS_REMEMBERED requests, so the board still
+// recognizes the retry. The reply to a query shows the effect of all commands that were posted before the
+// query. If the query was lost and repeated, the reply can also show the effect of requests that were posted
+// after the query. The tick in the reply is the time of the returned state.
 #pragma once
 
 #include <cstdint>
@@ -97,7 +97,7 @@ class Requester final : public Exchanger {
   Ticket next_ticket_ = 1;
   std::uint64_t transmissions_ = 0;
   std::list<Waiting> queue_;  // requests in the order in which they may leave
-  Time wire_free_{};  // time at which the last written byte leaves the port, at the earliest
+  Time wire_free_{};          // earliest time at which the last written byte leaves the port
   Time last_sent_{};
   std::optional<int> tries_limit_;
   RoundTrip round_trip_;

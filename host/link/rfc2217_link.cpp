@@ -36,8 +36,8 @@ Rfc2217Link::Rfc2217Link(PortAddress address, const Interrupt* interrupt)
       interrupt_(interrupt),
       stream_(address_.name(),
               address_.name() +
-                  " was closed by the other end: its board was unplugged, its server "
-                  "ended, or another program has it",
+                  " was closed by the other end: the board was unplugged, the server ended, or "
+                  "another program uses the connection",
               interrupt) {}
 
 Result<void> Rfc2217Link::begin(Time patience) {
@@ -56,10 +56,10 @@ Result<void> Rfc2217Link::begin(Time patience) {
   while (!options_.com_port()) {
     if (options_.refused() || WallClock().now() >= deadline)
       return fail(Fault::environment,
-                  name() + ": what serves that port does not speak RFC 2217: give " +
+                  name() + ": the server at this address does not support RFC 2217: give " +
                       "tcp:" + name().substr(std::string_view("rfc2217:").size()) +
-                      " for bytes alone, or serve it with `kaz serve-port` or ser2net (its option "
-                      "is telnet(rfc2217))");
+                      " to transfer only bytes, or serve the port with `kaz serve-port` or "
+                      "ser2net (with its option telnet(rfc2217))");
     KAZ_TRY(pump(deadline));
     data_.clear();  // of a port whose settings are another client's
   }
@@ -84,7 +84,7 @@ Result<void> Rfc2217Link::set_up() {
 Result<void> Rfc2217Link::set_baud(int baud) {
   const auto set = KAZ_TRY(value_of(kBaudRate, big_endian(static_cast<std::uint32_t>(baud))));
   if (!set)
-    return fail(Fault::environment, name() + " does not say whether it has set " +
+    return fail(Fault::environment, name() + " does not confirm the bit rate of " +
                                         std::to_string(baud) + " baud: its server is too slow");
   if (*set != static_cast<std::uint32_t>(baud))
     return fail(Fault::usage, name() + " cannot set its port to " + std::to_string(baud) +
@@ -109,8 +109,8 @@ Result<void> Rfc2217Link::set_dtr_rts(bool dtr, bool rts) {
   }
   return fail(Fault::environment,
               name() +
-                  ": the port behind its server has no lines DTR and RTS, or its server does "
-                  "not set them");
+                  ": the serial port behind the server has no lines DTR and RTS, or the server "
+                  "does not set them");
 }
 
 Result<std::optional<std::uint32_t>> Rfc2217Link::value_of(ComPort command,
@@ -146,8 +146,8 @@ Result<bool> Rfc2217Link::pump(Time deadline) {
   data_.insert(data_.end(), data.begin(), data.end());
   if (data_.size() > kMaxKept)
     return fail(Fault::environment, name() + " sent more than " + std::to_string(kMaxKept) +
-                                        " bytes while a command was being answered, which no "
-                                        "serial port does: check what serves that port");
+                                        " bytes before the reply to a command; a serial port "
+                                        "cannot do this: check the server at this address");
   if (!answer.empty()) KAZ_TRY(stream_.write(answer));
   return count > 0;
 }

@@ -30,8 +30,8 @@ class Rfc2217Link final : public PortLink {
   // Sets the bit rate and waits for the server's confirmation.
   Result<void> set_baud(int baud) override;
   // Sets DTR first, then RTS. Fails (environment) if the server's port has no modem lines. RFC 2217 defines
-  // no reply for a port without modem lines. `kaz serve-port` reports missing lines as always on. So if the
-  // port of `kaz serve-port` has no DTR, a call with `dtr` = false fails, but a call with `dtr` = true can
+  // no reply for a port without modem lines. `kaz serve-port` reports missing lines as always on. If the port
+  // of `kaz serve-port` has no DTR, a call with `dtr` = false therefore fails. A call with `dtr` = true can
   // succeed. The same rule applies to RTS.
   Result<void> set_dtr_rts(bool dtr, bool rts) override;
   LowLatency low_latency() const override { return LowLatency::network; }

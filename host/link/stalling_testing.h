@@ -1,4 +1,4 @@
-// For tests: simulates a program that waits for the processor, in simulated time.
+// For tests: simulates a program that is delayed because the processor is busy, in simulated time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace kaz::host {
 
-// Forwards all calls. While `stalls` is above 0, the first wait that ends at least `pause` after the previous
-// stall takes `length` longer.
+// Forwards all calls. `stalls` is the number of remaining stalls. A stall extends a wait by `length`. A wait
+// is extended if it ends at least `pause` after the previous stall.
 class StallingLine final : public Link, public Clock {
  public:
   StallingLine(Link& link, Clock& clock) : link_(link), clock_(clock) {}

@@ -48,7 +48,7 @@ TcpLink::TcpLink(PortAddress address, const Interrupt* interrupt)
 
 Result<void> TcpLink::set_dtr_rts(bool, bool) {
   return fail(Fault::environment, name() +
-                                      " carries only bytes, without the lines DTR and RTS: serve "
+                                      " transfers only bytes, not the lines DTR and RTS: serve "
                                       "the port with RFC 2217 and give rfc2217:HOST:PORT");
 }
 

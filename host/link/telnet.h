@@ -48,7 +48,8 @@ struct Command {
 };
 
 // Parser of a telnet stream that accepts pieces of any size and keeps the order of data and commands. The
-// parser's memory holds the data bytes that take_data() has not returned yet, and at most one command.
+// parser stores only two things: the data bytes that take_data() has not returned yet, and at most one
+// command.
 class Reader {
  public:
   // Maximum number of data bytes in one command. A command with more data bytes is dropped and counted.
@@ -90,7 +91,7 @@ std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 enum class End { client, server };
 
 // Option negotiation of one end. Agrees once to each supported option and declines every other option once.
-// So two ends that negotiate never answer each other endlessly.
+// This rule prevents an endless exchange of replies between the two ends.
 class Options {
  public:
   // Writes this end's initial offers and requests. A server does not offer option 44 first. If a server

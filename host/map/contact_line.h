@@ -1,9 +1,11 @@
-// Contact line: where objects meet the floor in a picture, column by column. Internal to host/map.
+// Contact line: finds the row in which objects touch the floor, for each column of a picture. Internal to
+// host/map.
 // SPDX-License-Identifier: Apache-2.0
 //
-// At 1 m, the measured depth errs by centimeters, and a face without texture has depth only at its edges. But
-// the row in which an object meets the floor is exact to a pixel. The ray r through this pixel (map frame)
-// meets the floor at the horizontal distance h |r_xy| / -r_z from the eye. The height of the eye is h.
+// At 1 m, the error of the measured depth is a few centimeters, and a face without texture has depth only at
+// its edges. But the row of the pixel in which an object touches the floor is exact to a pixel. Let r be the
+// ray through this pixel (map frame), and let h be the height of the eye. The ray intersects the floor at the
+// horizontal distance h |r_xy| / -r_z from the eye.
 #pragma once
 
 #include <array>
@@ -20,7 +22,8 @@ namespace kaz::map {
 // for the points of this row. At the end, call plain_faces().
 class ContactLine {
  public:
-  // A column without depth, between two columns with points that stand at the end of the floor.
+  // A column of a face without texture. The column has no depth, but the columns at both ends of the face
+  // have points.
   struct Filled {
     Eigen::Vector3f ray;  // ray through the end of the floor, map frame; scaled to a depth of 1
     // Horizontal distance from the eye to the foot of the face.
@@ -38,17 +41,17 @@ class ContactLine {
   // Returns the horizontal distance (m) from the eye to the end of the floor in column `u`, in the rows
   // entered so far. Returns 0 if no entered pixel of the column is floor.
   float distance(int u) const;
-  // Adds a point of the current row that stands at the end of the floor in column `u`. `height_m`: height of
-  // the point above the floor.
+  // Adds a point of the current row. The point must belong to an object that stands at the end of the floor
+  // in column `u`. `height_m`: height of the point above the floor.
   void add(int u, float votes, float height_m);
   // Returns whether the depth of a point of the current row is a mixture of the depths of an object's rim and
   // of the background. Precondition: the point is farther away than the end of the floor below the point. If
-  // an object was added that stands at this end of the floor, a point lower than the object counts as mixed.
-  // If no such object was added, a point counts as mixed if it is behind this end of the floor by more than
-  // the assumed depth of objects.
+  // points of an object at this end of the floor were added, a point lower than the object counts as mixed.
+  // If no such points were added, the distance of the point from this end of the floor decides. The point
+  // counts as mixed if this distance is larger than the assumed depth of objects.
   bool mixed(int u, float distance_m, float height_m) const;
 
-  // Fills faces without texture, which are gaps of more than `stride` between two columns with standing
+  // Fills faces without texture. Such a face is a gap of more than `stride` px between two columns with added
   // points. In such a gap, the floor must end along a straight line. Above this line, up to the height
   // `low_m`, there must be neither floor nor pixels of `own`. The returned reference is valid until the next
   // call.

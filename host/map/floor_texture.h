@@ -36,9 +36,9 @@ struct FloorView {
 
 // Input of a view: rectified left image, its planes, and the pose of the foot. If `depth` and `map` are not
 // null, additional pixels can count as floor. An additional pixel must show a place that is floor on the map.
-// The depth of the pixel must agree with the floor or be missing. On a floor of planks, the additional pixels
-// matter: stereo measures no depth at edges that are parallel to the picture's rows. All references must
-// outlive this object.
+// The pixel must have no depth, or a depth that agrees with the floor. The additional pixels are important on
+// a floor of planks, because stereo measures no depth at edges that are parallel to the picture's rows. All
+// references must outlive this object.
 struct FloorPictureView {
   const vision::Image& left;
   const vision::PlaneSegments& planes;  // with `info`
@@ -61,9 +61,8 @@ struct FloorShift {
   // direction.
   std::optional<Eigen::Vector2d> unknown_along;
 };
-// Search range, which should be the largest expected error of odometry. Even if `shift_m` is larger, shifts
-// along an axis of the map are limited to 64 mm. Even if `turn_rad` is larger, turns are limited to 6
-// degrees.
+// Search range, which should be the largest expected error of odometry. Shifts along an axis of the map are
+// limited to 64 mm, and turns to 6 degrees. These limits also apply if `shift_m` or `turn_rad` is larger.
 struct FloorSearch {
   double shift_m = 0.064, turn_rad = 6 * kDegree;
 };
@@ -77,8 +76,8 @@ class FloorMatcher {
   double floor_in_common(const FloorView& before);
   // Returns the correction, or nothing if there is no clear match. A clear match has at least 0.12 m^2 in
   // common and a correlation of at least 0.4. The peak of the correlation must be inside the search range
-  // `within`. If the peak's shift is increased or decreased by two cells along either axis, the two views
-  // must still have at least 0.12 m^2 in common. On planks, the shift along the grain is unknown if the
+  // `within`. Four other shifts are two cells away from the peak, along one axis. At each of them, the two
+  // views must also have at least 0.12 m^2 in common. On planks, the shift along the grain is unknown if the
   // correlation hardly falls in that direction.
   std::optional<FloorShift> match(const FloorView& before, const FloorSearch& within = {});
   // Returns the view at the picture's assumed pose.

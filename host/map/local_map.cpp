@@ -101,8 +101,8 @@ Result<void> LocalMap::check(const vision::PlaneSegments& planes, const vision::
   const vision::CameraModel& c = info.camera;
   if (c.width != depth.width || c.height != depth.height || !(c.fx > 0) || !(c.fy > 0) ||
       !(c.baseline_m > 0) || !std::isfinite(c.fx * c.fy * c.baseline_m + c.cx + c.cy))
-    return fail(Fault::usage, picture + ": its camera model has no focal length or baseline, or " +
-                                  "has another size");
+    return fail(Fault::usage, picture + ": its camera model has no focal length, no baseline, or " +
+                                  "another size than the depth image");
   if (!info.foot_from_eye.matrix().allFinite() || !map_from_foot.matrix().allFinite())
     return fail(Fault::usage, picture + ": the pose of the eye or of the foot is not finite");
   return {};

@@ -11,23 +11,23 @@
 // Each picture gives a cell at most one vote:
 // - Floor. The center of each cell in view is projected into the picture. The cell is floor if the pixel
 //   belongs to the floor segment. Pixels at the sides of the picture do not count, because an object that is
-//   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. This
-//   direction of projection leaves no holes far away, where a pixel is larger than a cell. Also, cells behind
-//   an obstacle get no floor votes.
-// - Obstacle. Each pixel that has a depth gives a point in space, except pixels of the floor segment. A point
-//   votes for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the robot. The
-//   height must also be larger than three standard deviations of the height. Each point covers the area of
-//   its pixel, in m^2, at the depth of the point. A cell's vote is 1 if the cell's points cover at least a
-//   quarter of a square whose side is `cell_m`. Then two areas are compared: the area covered by the points
-//   of the cell, and the area covered by the points of a neighboring cell. If the neighbor's area is larger
-//   than kUneven (votes.h) times the cell's area, the cell's vote is reduced. Stereo errors move a point only
-//   along its ray, and the face of an obstacle is never nearer than the obstacle's foot. So if a picture
-//   shows floor in a cell, each obstacle point of the same picture in this cell has a wrong position. Such a
-//   point is moved away from the camera along its ray, by up to two sigma, to a cell without floor. If the
-//   floor ends below a point in the picture, two distances from the eye are compared: to the point, and to
-//   the end of the floor. If these two distances differ by at most three sigma, the point is moved to the end
-//   of the floor. A face without texture has no depth between its two edges. If both edges are at the end of
-//   the floor, the whole face is placed there (contact_line.h).
+//   cut off at a side may be labeled floor. Cells are projected to pixels, not pixels to cells. So the map
+//   has no holes at large distances, where a pixel covers more than one cell. Also, cells behind an obstacle
+//   get no floor votes.
+// - Obstacle. Each pixel with a depth is converted to a point in space, except pixels of the floor segment. A
+//   point votes for an obstacle in its cell if the point is higher than `obstacle_m` and lower than the
+//   robot. The height must also be larger than three standard deviations of the height. Each point covers the
+//   area of its pixel, in m^2, at the depth of the point. A cell's vote is 1 if the cell's points cover at
+//   least a quarter of a square whose side is `cell_m`. Then the area covered by the points of the cell is
+//   compared with the areas of the neighboring cells. If a neighbor's area is larger than kUneven (votes.h)
+//   times the cell's area, the cell's vote is reduced. Stereo errors move a point only along its ray, and the
+//   face of an obstacle is never nearer than the obstacle's foot. So if a picture shows floor in a cell, each
+//   obstacle point of the same picture in this cell has a wrong position. Such a point is moved away from the
+//   camera along its ray, by up to two sigma, to a cell without floor. If the floor ends below a point in the
+//   picture, the distance of the point from the eye is compared with the distance of the floor's end. If
+//   these two distances differ by at most three sigma, the point is moved to the end of the floor. A face
+//   without texture has no depth between its two edges. If both edges are at the end of the floor, the whole
+//   face is placed there (contact_line.h).
 // - Hole. A point counts as below the floor if its depth below the floor exceeds both `drop_m` and three
 //   sigma. The ray from the eye to such a point passes through the plane z = 0 at a place where floor is
 //   missing. The cell at this place gets a vote for an obstacle.
@@ -36,9 +36,9 @@
 // above in the picture differ by at least kSmooth_px (votes.h). A point is also a stray if its disparity and
 // the disparity of the point below in the picture differ by at least kSmooth_px. A point is also a stray if
 // its cell and the eight neighboring cells together contain too few points (kMinPoints and kMinShare in
-// votes.h). If an object stands at the end of the floor, a point behind the object is also a stray if the
-// point is lower than the object's top. The depth of such a point is a mixture of the depths of the object's
-// rim and of the floor behind the object (contact_line.h).
+// votes.h). Behind an object that stands at the end of the floor, a point is also a stray if it is lower than
+// the object's top. The depth of such a point is a mixture of the depths of the object's rim and of the floor
+// behind the object (contact_line.h).
 //
 // Tilt, roll and height of the eye are taken from the floor's plane if at least a tenth of the picture shows
 // this plane. Otherwise these values are computed from the robot's posture, which is less exact. While the
@@ -148,8 +148,8 @@ class LocalMap {
   // at `pose` in the map. The rectangle covers the cells whose center is inside the rectangle.
   Footprint footprint(const Eigen::Isometry2d& pose, double length_m, double width_m) const;
 
-  // Returns a picture of the map, one pixel per cell: floor green, obstacle red, unknown gray; colors are
-  // paler where the confidence is lower. Forward is up in the picture.
+  // Returns a picture of the map, one pixel per cell: floor green, obstacle red, unknown gray. A paler color
+  // means a lower confidence. Forward is up in the picture.
   vision::Image picture() const;
   const MapCounts& counts() const { return counts_; }
 

@@ -25,9 +25,9 @@ struct Viewpoint {
   double nearest_m = 0.25, farthest_m = 1.2;  // range of the visible floor
 };
 
-// Returns the candidates that are worth a look, the best candidate first. `path`: corners of the path to be
-// walked. If there are fewer than two corners, all unknown floor has equal weight. `worth_m2`: smallest
-// weighted area of unknown floor for which a view is chosen.
+// Returns the selected candidates, the best candidate first. `path`: corners of the path to be walked. If
+// there are fewer than two corners, all unknown floor has equal weight. `worth_m2`: smallest weighted area of
+// unknown floor for which a view is chosen.
 std::vector<double> directions_worth_a_look(const LocalMap& map, const Viewpoint& from,
                                             std::span<const double> candidates,
                                             std::span<const Eigen::Vector2d> path,

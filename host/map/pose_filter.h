@@ -4,10 +4,10 @@
 // Extended Kalman filter. The filter's state contains the present pose and copies of past poses. At each of
 // these past poses, a view of the floor was taken. Odometry widens the covariance of the present pose. A
 // match of two floor views measures the present pose relative to a past pose. The match corrects both poses
-// according to their uncertainty. A match is rejected if the relative pose from the match deviates by more
-// than 4 sigma from the relative pose that the filter expects. The two views of a rejected match usually show
-// different planks, or different squares, that look alike. Source: Roumeliotis and Burdick, "Stochastic
-// cloning: a generalized framework for processing relative state measurements", ICRA 2002.
+// according to their uncertainty. A match is rejected if its relative pose deviates by more than 4 sigma from
+// the prediction of the filter. The two views of a rejected match usually show different planks, or different
+// squares, that look alike. Source: Roumeliotis and Burdick, "Stochastic cloning: a generalized framework for
+// processing relative state measurements", ICRA 2002.
 //
 // Map frame. Poses are (x, y, heading): m, rad. A relative pose is in the frame of its reference pose, with x
 // ahead.

@@ -1,4 +1,5 @@
-// Test scene of rectangles, which gives input for the map: depth from rays, and the floor as one segment.
+// Test scene of rectangles. Computes inputs for the map: a depth image from rays, and the floor as one
+// segment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

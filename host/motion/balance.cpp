@@ -75,8 +75,8 @@ Result<BalancePolicy> BalancePolicy::parse(const std::string& text, const std::s
     }
   }
   if (weights.size() != kWeights)
-    return fail(Fault::usage, name + " holds " + std::to_string(weights.size()) +
-                                  " numbers, and a balance policy has " + std::to_string(kWeights) +
+    return fail(Fault::usage, name + " contains " + std::to_string(weights.size()) +
+                                  " numbers, but a balance policy has " + std::to_string(kWeights) +
                                   " weights; ./tools/dev study train-balance writes such files");
   return BalancePolicy(std::span<const double, kWeights>(weights));
 }

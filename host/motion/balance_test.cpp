@@ -134,8 +134,8 @@ TEST(BalanceFile, NamesWhatIsWrong) {
             "w.inc, line 2: 'x4' is not a weight; give a number from -1000 to 1000");
   EXPECT_NE(error_of("1e9").find("'1e9' is not a weight"), std::string::npos);
   EXPECT_NE(error_of("nan").find("'nan' is not a weight"), std::string::npos);
-  EXPECT_NE(error_of("1 2 3").find("w.inc holds 3 numbers"), std::string::npos);
-  EXPECT_NE(error_of("").find("w.inc holds 0 numbers"), std::string::npos);
+  EXPECT_NE(error_of("1 2 3").find("w.inc contains 3 numbers"), std::string::npos);
+  EXPECT_NE(error_of("").find("w.inc contains 0 numbers"), std::string::npos);
 }
 
 }  // namespace

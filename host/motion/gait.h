@@ -4,10 +4,10 @@
 // Pure functions. Units: m, s, rad. Frame: x forward, y left, z up. Phase 0..1 is one cycle of two steps:
 // the left foot supports in (0, 0.5), the right one in (0.5, 1).
 //
-// The ankles have no roll joint. So a sole is flat on the floor only if the hip roll is the negative of the
-// trunk's roll. The robot shifts its weight sideways by rolling the trunk about the hips; the legs stay
-// vertical. The legs have no yaw joint either. The robot turns by sliding its two soles in opposite
-// directions during double support.
+// The ankles have no roll joint. So a sole is flat on the floor only if hip roll and trunk roll add up to
+// zero. The robot shifts its weight sideways by rolling the trunk about the hips; the legs stay vertical. The
+// legs have no yaw joint either. The robot turns by sliding its two soles in opposite directions during
+// double support.
 //
 // Zero moment point criterion: c(t) is the planned sideways distance of the center of mass from the middle of
 // the feet. This distance is a sine: c(t) = C sin(2 pi phase). The height of the center of mass is h. The
@@ -18,8 +18,8 @@
 //
 // A foot may be lifted only while p lies inside the sole of the other foot. The distance of p from the inner
 // edge of this sole must be at least `margin`. `swing` is the duration of a foot's swing, divided by the
-// duration of the cycle. In the middle of a swing, |p(t)| has its maximum. So at the beginning and at the end
-// of a swing, the following is true:
+// duration of the cycle. In the middle of a swing, |p(t)| has its maximum. So the phase at the beginning and
+// at the end of a swing satisfies this equation:
 //   |sin(2 pi phase)| = cos(pi swing).
 // The distance of the inner edges of the soles from the middle of the feet is hip_y cos(roll) - kHalfSole.
 // These conditions determine the amplitude of the trunk's roll, which roll_for() computes.

@@ -21,8 +21,8 @@ class Heading {
   Heading();
 
   // Adds a sample, which must be later than the previous sample. `still`: true if the robot stands without a
-  // command. If `still` is true, add() uses the measured rate to correct the gyro's zero, unless the rate
-  // shows that the robot is being turned. `upright`: cosine of the trunk's lean.
+  // command. If `still` is true, add() uses the measured rate to correct the gyro's zero. But add() ignores a
+  // rate which shows that the robot is being turned. `upright`: cosine of the trunk's lean.
   void add(const host::Inertial& sample, bool still, double upright);
 
   double rad() const { return heading_; }

@@ -26,8 +26,8 @@ struct ArmAngles {
   double sh_pitch = 0, sh_roll = 0, elbow = 0;
 };
 // `grasp`: position of the grasp's center. The elbow bends forward. Returns nothing if the position is out of
-// reach, or if a joint would exceed its limits. Also returns nothing if the position is farther to the side
-// than the shoulder roll joint can bring the hand.
+// reach, or if a joint would exceed its limits. Also returns nothing if the position is too far to the side
+// for the range of the shoulder roll joint.
 std::optional<ArmAngles> arm_to(Side side, const Eigen::Vector3d& grasp);
 ArmAngles arm_of(const JointAngles& angles, Side side);
 void set_arm(JointAngles& angles, Side side, const ArmAngles& arm);

@@ -4,9 +4,9 @@
 // The caller calls step() in each control cycle (10 to 20 ms) with the newest posture. The caller sends the
 // returned leg targets to the board. The ramps to these targets should last until the next cycle. Targets for
 // head and arms come from the caller, so that one exchange() with the board sends all targets. The gait
-// assumes that the arms are near the angles of home(). Commands may come at any time. The stride of a foot
-// changes only at the moment at which the foot passes below the hips. To change from walking to turning, or
-// from turning to walking, the robot first stops and stands. The stop takes about one cycle.
+// assumes that the arms are near the angles of home(). Commands may be given at any time. The stride of a
+// foot changes only at the moment at which the foot passes below the hips. To change from walking to turning,
+// or from turning to walking, the robot first stops and stands. The stop takes about one cycle.
 //
 // With a gyro (Posture::inertial, after Robot::sense_inertial()), the heading is measured and held. Without a
 // gyro, the heading is estimated from the strides. The estimate is rough, because rotation depends on the

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The supporting sole is assumed to stand still and flat on the floor. The measured leg angles then determine
-// the position of the trunk's origin (midway between the hips). While both feet support, the result is the
-// mean over both feet, weighted by the share of the robot's weight on each foot. If both soles slip on the
-// floor in opposite directions, they slip about equally far. So the errors of the two feet mostly cancel in
-// the mean. Frame: the robot's frame at the start; x ahead, y left, origin below the midpoint of the hips.
-// Units: m, rad.
+// the position of the trunk's origin (midway between the hips). While both feet support, the positions from
+// both feet are averaged. Each position is weighted by the share of the robot's weight on the foot. If both
+// soles slip on the floor in opposite directions, they slip about equally far. So the errors of the two feet
+// mostly cancel in the mean. Frame: the robot's frame at the start; x ahead, y left, origin below the
+// midpoint of the hips. Units: m, rad.
 #pragma once
 
 #include <Eigen/Core>

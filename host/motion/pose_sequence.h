@@ -7,11 +7,11 @@
 //    "poses": [{"time_s": 0, "angles_rad": {"r_sh_pitch": 0}},
 //              {"time_s": 1.5, "angles_rad": {"r_sh_pitch": -0.8, "neck_pan": 0.3}}]}
 //
-// A pose can contain only some of the joints. A pose has no effect on a joint that the pose does not contain.
-// Between two successive poses that contain a joint, the joint moves from its angle in the earlier pose to
-// its angle in the later pose. Before the first pose that contains a joint, the joint does not move. After
-// the last pose that contains a joint, the joint stays at its last angle. A joint that is in no pose never
-// moves.
+// A pose need not contain all joints. A pose has no effect on joints that it does not contain. Between two
+// successive poses that contain a joint, the joint moves from its angle in the earlier pose to its angle in
+// the later pose. Before the first pose that contains a joint, the joint does not move. After the last pose
+// that contains a joint, the joint stays at its last angle. If no pose contains a joint, this joint does not
+// move.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ class Pickup {
  public:
   // `ball`: position of the ball's center, seen from above. Returns nothing if the ball is out of reach.
   static std::optional<Pickup> plan(Side hand, const Eigen::Vector2d& ball, double radius);
-  // Returns this plan with the arm aimed at a new position of the ball; nothing if the ball is out of reach.
+  // Returns a copy of this plan for a new position of the ball. Returns nothing if the ball is out of reach.
   std::optional<Pickup> aimed_at(const Eigen::Vector2d& ball) const;
 
   // Times at which these postures are reached: bent with the arm forward; arm down; hand closed; arm up;

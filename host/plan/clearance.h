@@ -25,7 +25,7 @@ class Clearance {
   double factor(int x, int y) const {
     return grid_.state[grid_.index(x, y)] == map::CellState::unknown ? unknown_factor_ : 1;
   }
-  // Returns the length of the line from `a` to `b`, weighted by factor(); infinite if the line meets a cell
+  // Returns the length of the line from `a` to `b`, weighted by factor(); infinite if the line crosses a cell
   // that is not free.
   double weighted_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
   // Returns whether neighboring free cells (sides or corners) connect the two cells. Both cells must be free.
@@ -34,7 +34,8 @@ class Clearance {
   // is not free, or if no floor cell is connected.
   std::optional<Eigen::Vector2i> nearest_connected(const Eigen::Vector2i& from,
                                                    const Eigen::Vector2d& to) const;
-  // Returns the narrowest place of the widest way between two cells, with the reason NoPath::Why::enclosed.
+  // Finds the widest way between two cells, and returns its narrowest place with the reason
+  // NoPath::Why::enclosed.
   NoPath narrowest(const Eigen::Vector2i& from, const Eigen::Vector2i& to) const;
   const Grid& grid() const { return grid_; }
 

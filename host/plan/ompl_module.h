@@ -1,4 +1,4 @@
-// If the user selects the OMPL planner, loads this planner from a module.
+// Loads the OMPL planner from a separate module when the user selects this planner.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A program linked with OMPL needs 10 ms at each start to load OMPL's libraries (docs/decisions.md, 100). So

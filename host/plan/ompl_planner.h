@@ -3,11 +3,11 @@
 //
 // ABIT* draws batches of random poses. The planner connects each pose with the nearest poses and searches
 // this graph for the fastest path. Source: Strub and Gammell, "Advanced BIT* (ABIT*): sampling-based planning
-// with advanced graph-search techniques", ICRA 2020. ABIT* here uses the heuristic of the grid planner. An
-// edge between two poses is a turn toward the second pose, a straight line, and a turn to the heading of the
-// second pose. The cost of an edge is time. The two directions of an edge can have different costs. An edge
-// is checked for obstacles every half cell. At the end, straight lines replace parts of the path, as in the
-// grid planner.
+// with advanced graph-search techniques", ICRA 2020. This implementation uses the heuristic of the grid
+// planner. An edge between two poses is a turn toward the second pose, a straight line, and a turn to the
+// heading of the second pose. The cost of an edge is time. The two directions of an edge can have different
+// costs. An edge is checked for obstacles every half cell. At the end, straight lines replace parts of the
+// path, as in the grid planner.
 //
 // The search ends after a number of batches, or when no faster path can exist. The search reads no clock, so
 // the same seed gives the same path.

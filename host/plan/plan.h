@@ -1,8 +1,8 @@
 // Fastest paths for a robot that walks straight ahead and turns on the spot.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A turn of 45 degrees takes as long as a third of a meter straight ahead, so the shortest path is seldom
-// the fastest. The least-time paths of such a robot alternate turns and straight lines. Source: Furtuna and
+// A turn of 45 degrees takes as long as a walk of a third of a meter. So the shortest path is seldom the
+// fastest. The least-time paths of such a robot alternate turns and straight lines. Source: Furtuna and
 // Balkcom, "Generalizing Dubins curves: minimum-time sequences of body-fixed rotations and translations in
 // the plane", IJRR 2010. The robot's outline is modeled as a disc around the midpoint between the feet. So
 // the robot can turn wherever the disc is free.

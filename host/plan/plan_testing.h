@@ -41,7 +41,7 @@ inline Path path_of(const Planned& found, const PlanOptions& options = {}) {
   return std::get<Path>(found);
 }
 
-// Pose at the end of the legs, and the smallest distance (m) between the path and any obstacle cell.
+// Pose at the end of the path, and the smallest distance (m) between the path and an obstacle cell.
 struct Walked {
   Pose end;
   double clear_m = 1e9;

@@ -1,4 +1,4 @@
-// Checks that every planner runs before its search. Internal to host/plan.
+// Common checks of all planners, executed before each search. Internal to host/plan.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -8,10 +8,10 @@
 
 namespace kaz::plan {
 
-// Returns the fastest path from start to goal that consists of straight lines between points of the way
-// through `corners`, in order. If any_heading is false, the path passes all corners. `corners`: points from
-// the start to the goal; the straight line between two consecutive points must be free. The grid planner
-// passes cell centers, the OMPL planner passes positions of poses.
+// Shortens the way through `corners`. The new path consists of straight lines between points of this way, in
+// the same order. Returns the fastest such path from start to goal. If any_heading is false, the path passes
+// all corners. `corners`: points from the start to the goal; the straight line between two consecutive points
+// must be free. The grid planner passes cell centers, the OMPL planner passes positions of poses.
 Path straighten(const Clearance& clearance, const Pose& start, const Goal& goal,
                 const PlanOptions& options, const std::vector<Eigen::Vector2d>& corners);
 

@@ -9,10 +9,10 @@
 // - A `state_reply` contains the angles of all joints at the reference's tick. Angles of other boards are
 //   interpolated between the last two states, or extrapolated by at most kMaxAhead. The error of these angles
 //   is the joint's speed times a time error of 0.1 ms to 1 ms. The time error has two causes: the error of
-//   the reference's clock relation, and the error of the clock relation of the board that drives the joint.
+//   the reference's clock relation, and the error of the other board's clock relation.
 // - The group sets a status flag if any board sets this flag, with two exceptions. The group sets ENABLED
-//   only if each board whose motors should be on sets ENABLED. The group sets UNLOCKED only if each board
-//   sets UNLOCKED.
+//   only if ENABLED is set on each board whose motors should be on. The group sets UNLOCKED only if UNLOCKED
+//   is set on each board.
 // - If one board shuts down, the motors of all boards are switched off, unless the board's link watchdog
 //   caused the shutdown.
 // - If one board refuses a request, the group reports the request as refused, even if other boards have

@@ -14,8 +14,8 @@ namespace kaz::host {
 // of joints.
 Result<kz_identify_reply> identify_board(Exchanger& requester);
 // With the default RequesterOptions, a delay of the host or of the board up to kIdentifyBears never makes
-// identify_board() fail. If the host is delayed, the reply stays in the port until the host reads the port. A
-// reply to an earlier try is also valid. So identify_board() reports a missing reply only if no try was
+// identify_board() fail. If the host is delayed, the reply stays in the port until the host reads it. A late
+// reply to an earlier try is valid, too. So identify_board() reports a missing reply only if no try was
 // answered. All tries together take 0.95 s, and kIdentifyBears is half of this time.
 inline constexpr Time kIdentifyBears = std::chrono::milliseconds(475);
 

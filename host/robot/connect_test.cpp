@@ -128,7 +128,7 @@ TEST(Connect, AnotherAddress) {
   TestBoard board;
   ConnectOptions options;
   options.address = 3;
-  EXPECT_NE(connect_error(board, options).find("one does at address 1: give --address 1"),
+  EXPECT_NE(connect_error(board, options).find("a board answers at address 1: give --address 1"),
             std::string::npos);
 }
 

@@ -92,9 +92,10 @@ Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error erro
   if (std::ranges::find(*found, address) != found->end()) return error;
   return {Fault::environment,
           "no board answers at address " + std::to_string(address) + " on " + link.name() +
-              ", but " + (one ? "one does at " : "others do at ") + addresses_text(*found) +
-              ": give --address " + first + ", or move it with `kaz recover " +
-              robot_option(link.name()) + (one ? "" : " --found-at " + first) +
+              ", but " + (one ? "a board answers at " : "boards answer at ") +
+              addresses_text(*found) + ": give --address " + first +
+              ", or move that board with `kaz recover " + robot_option(link.name()) +
+              (one ? "" : " --found-at " + first) +
               (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) + "`"};
 }
 

@@ -28,9 +28,9 @@ Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
 // Returns a text such as "address 3" or "addresses 1, 3 and 5".
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
-// Explains why the board at `address` did not reply. `error`: the error of the failed request. If boards
-// answer, but only at other addresses, returns an error message with these addresses and the command-line
-// option that selects such an address. Otherwise returns `error`.
+// Explains why the board at `address` did not reply. `error`: the error of the failed request. If only boards
+// at other addresses answer, returns an error message with these addresses. The message also contains the
+// command-line option that selects such an address. Otherwise returns `error`.
 Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
 
 }  // namespace kaz::host

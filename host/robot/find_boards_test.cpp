@@ -79,14 +79,14 @@ TEST(FindBoards, ConnectNamesTheAddressAndTheOption) {
   ASSERT_FALSE(robot);
   EXPECT_EQ(robot.error().fault, Fault::environment);
   EXPECT_EQ(robot.error().message,
-            "no board answers at address 1 on test-port, but one does at address 3: give --address "
-            "3, or move it with `kaz recover --robot serial:test-port`");
+            "no board answers at address 1 on test-port, but a board answers at address 3: give "
+            "--address 3, or move that board with `kaz recover --robot serial:test-port`");
   EXPECT_TRUE(Robot::connect(board, board, {.address = 3}));
   const auto five = Robot::connect(board, board, {.address = 5});
   ASSERT_FALSE(five);
-  EXPECT_NE(
-      five.error().message.find("move it with `kaz recover --robot serial:test-port --address 5`"),
-      std::string::npos)
+  EXPECT_NE(five.error().message.find(
+                "move that board with `kaz recover --robot serial:test-port --address 5`"),
+            std::string::npos)
       << five.error().message;
 }
 

@@ -359,7 +359,8 @@ class Return {
       if (mask != 0) result_.left.push_back(of_joints(what, mask));
     }
     if (result_.left.empty()) return {};
-    return fail(Fault::environment, "settings of the board on " + link_.name() + " differ");
+    return fail(Fault::environment,
+                "settings of the board on " + link_.name() + " differ from the saved settings");
   }
 
   Link& link_;

@@ -3,8 +3,8 @@
 //
 // The saved state consists of the address, the link watchdog, gains, limits, and the calibrations in RAM and
 // in flash. The saved state does not include which motors are on. The function put_back() switches all motors
-// off, unless PutBackOptions::motors_off is false. The saved state includes no counters, no latched shutdown
-// and no telemetry settings, because a reset clears them.
+// off, unless PutBackOptions::motors_off is false. Counters, a latched shutdown and telemetry settings are
+// not saved, because a reset clears them.
 #pragma once
 
 #include <array>
@@ -50,8 +50,8 @@ Result<BoardState> read_board(Link& link, Clock& clock, std::uint8_t address);
 Result<void> read_flash(Link& link, Clock& clock, BoardState& state);
 
 // Returns text to append to a message about a newly stored calibration. This text names the command that
-// erases the calibration. If the firmware has no image (`kaz sim --mcu native`), the text states how long the
-// calibration lasts instead.
+// erases the calibration. Firmware without an image (`kaz sim --mcu native`) has no such command. In this
+// case, the text states how long the calibration is kept.
 std::string how_calibration_goes(const kz_identify_reply& identity, const std::string& port,
                                  std::uint8_t address);
 
@@ -59,7 +59,7 @@ struct PutBackOptions {
   // Timeout of put_back(). A board in its loader does not answer for 3 s. A write to flash takes up to 3 s.
   // The default timeout allows for 3 s in the loader and then 3 s for a write to flash.
   Time patience = std::chrono::seconds(8);
-  // True: the program may have changed the address or the flash, so put_back() first resets the board, and
+  // True: the program may have changed the address or the flash. So put_back() first resets the board, and
   // searches for the board at all addresses.
   bool flash = false;
   // True: put_back() first resets the board. The reset clears a latched shutdown. `flash` implies `reset`.
@@ -86,10 +86,10 @@ struct PutBack {
   std::vector<std::string> notes;
 };
 
-// Finds the board, switches its motors off, and restores `state`. At the call, the board may be starting, in
-// its loader, or unresponsive. With PutBackOptions::flash, the board may be at any address. Retries until
-// success or timeout, and reopens a lost link. Before the call, suspend interrupts (class CleanUp in
-// interrupt.h), so that an interrupt cannot end a wait on `link` or `clock`.
+// Finds the board, switches its motors off, and restores `state`. At the time of the call, the board may be
+// starting, running its loader, or unresponsive. With PutBackOptions::flash, the board may be at any address.
+// Retries until success or timeout, and reopens a lost link. Before the call, suspend interrupts (class
+// CleanUp in interrupt.h), so that an interrupt cannot end a wait on `link` or `clock`.
 PutBack put_back(Link& link, Clock& clock, const BoardState& state, const PutBackOptions& options);
 
 }  // namespace kaz::host

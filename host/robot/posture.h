@@ -39,7 +39,7 @@ struct Posture {
   JointAngles angle{};       // rad, as measured by the potentiometers
   std::uint16_t status = 0;  // KZ_STATUS_*
   double supply_volts = 0;
-  std::optional<Inertial> inertial = {};  // empty unless Robot::sense_inertial() was called
+  std::optional<Inertial> inertial = {};  // set only after Robot::sense_inertial()
 };
 
 }  // namespace kaz::host

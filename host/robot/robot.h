@@ -23,7 +23,7 @@
 //   error message explains that the link was lost. The robot remains usable.
 // - disable_all() does not reconnect.
 // - All functions outside this list repeat their requests once and return the result of the repetition. This
-//   result does not show whether the link was reconnected. Use take_resumption() to detect the reconnection.
+//   result does not show whether the link was reconnected. To detect a reconnection, call take_resumption().
 //
 // If the board has shut down for any reason other than its link watchdog, no joint is enabled, and the call
 // fails.
@@ -66,8 +66,8 @@ class Robot {
   // ---- Motion
 
   // Switches motors on for the joints of the mask (bit n: joint n), and off for all other joints. A joint
-  // that was off holds its present angle. Clears a latched shutdown whose cause is gone. Fails unless the
-  // board's reply confirms for each joint that its motor is on or off as requested.
+  // that was off holds its present angle. Clears a latched shutdown if its cause is no longer present. Fails
+  // if the board's reply does not confirm the requested state of each motor.
   Result<void> enable(std::uint32_t mask);
   // Starts linear ramps to the targets. A ramp takes `duration` (0..65 s), or longer if the joint's ramp
   // limit requires more time. If one target is outside the joint's limits, or if one of the joints is off,
@@ -144,7 +144,7 @@ class Robot {
 
   // ---- Bench requests; all motors must be off
 
-  // Allows bench requests for `seconds` (1..60); 0 forbids bench requests again.
+  // Permits bench requests for the next `seconds` (1..60). If `seconds` is 0, ends the permission.
   Result<void> unlock(int seconds);
   // Drives one motor open loop at a duty of -1..1 for 1 ms..2 s. Call unlock() before this function. Returns
   // the board's tick at the time of the request; the motor starts at the next tick.
@@ -176,9 +176,9 @@ class Robot {
   std::string recent_frames() const;
 
   // Switches all motors off, with retries. Call disable_all() at the end of every program, even if the
-  // program was interrupted. Fails (environment) unless the board's reply confirms that all motors are off;
-  // the error message names joints that are still on. After a failure of disable_all(), the motors may still
-  // have power.
+  // program was interrupted. Fails (environment) if the board's reply does not confirm that all motors are
+  // off. The error message names joints that are still on. After a failure of disable_all(), the motors may
+  // still have power.
   [[nodiscard]] Result<void> disable_all() noexcept;
 
  private:

@@ -89,8 +89,8 @@ struct Robot::Parts {
   Error with_joints(Error error, const Reply& reply);
   // Queries the limits in force on the board and adds them to the error of refused targets.
   Error with_limits(Error error, const Reply& reply, std::span<const JointTarget> targets);
-  // Heartbeat period that prevents the watchdog from expiring. The watchdog's limit was set by this object,
-  // or is the board's default.
+  // Returns a heartbeat period that is short enough for the watchdog. The watchdog's time limit was set by
+  // this object, or is the board's default.
   Time heartbeat_period() const;
   // Sleeps until `until` and sends heartbeats while motors or telemetry are on.
   Result<void> keep_content(Time until);

@@ -149,7 +149,7 @@ struct ConnectOptions {
   // Time limit of reconnection. Zero: there is no reconnection, and a lost link is an error at once.
   Time reconnect = std::chrono::seconds(3);
   // Called at most once for each lost link: when a request fails, or when the first attempt to reconnect
-  // fails. If only the board's watchdog expired, and the board still answers, on_lost is not called.
+  // fails. Not called if only the board's watchdog expired and the board still answers.
   std::function<void(const Loss&)> on_lost = {};
   // Called after each reconnection, in addition to Robot::take_resumption().
   std::function<void(const Resumption&)> on_resumed = {};

@@ -1,4 +1,4 @@
-// Packs requests, unpacks replies, and makes the errors of refused requests.
+// Packs requests, unpacks replies, and creates the errors of refused requests.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

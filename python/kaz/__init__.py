@@ -25,7 +25,7 @@ import pathlib as _pathlib
 import re as _re
 import sys as _sys
 
-# Robot, worlds and firmware, as `kaz` itself looks for them.
+# Like the program `kaz`, the compiled module searches KAZ_DATA for robot, worlds and firmware.
 _share = _pathlib.Path(__file__).absolute().parent / "share"
 if _share.is_dir():
     _os.environ.setdefault("KAZ_DATA", str(_share))
@@ -40,7 +40,7 @@ def _what_to_do(error):
     this = f"{_sys.executable} (Python {_sys.version_info[0]}.{_sys.version_info[1]})"
     modules = sorted(module.name for module in folder.glob("_kaz.*.so"))
     try:
-        built_for = (folder / "built_for.txt").read_text().strip()  # CMake's, in a build folder
+        built_for = (folder / "built_for.txt").read_text().strip()  # written by CMake into a build folder
     except OSError:
         tag = _re.match(r"_kaz\.cpython-(\d)(\d+)-", modules[0]) if modules else None
         built_for = f"Python {tag[1]}.{tag[2]}" if tag else ""
@@ -54,7 +54,7 @@ def _what_to_do(error):
     tree = _pathlib.Path(__file__).resolve().parents[2]
     if not (tree / "tools/dev").exists():
         return f"kaz's compiled module is missing in {folder}: install kaz again"
-    return (f"kaz's compiled module is not built: run {tree}/tools/dev build kaz_python, then "
+    return (f"kaz's compiled module is not built: run {tree}/tools/dev build kaz_python, then start "
             f"{built_for or '/usr/bin/python3'} with PYTHONPATH={tree}/build/release/python")
 
 

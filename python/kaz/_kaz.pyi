@@ -19,7 +19,8 @@ class UsageError(ValueError): ...
 class EnvironmentFault(OSError): ...
 class RobotError(RuntimeError): ...
 class Stopped(RobotError):
-    """Raised by a call that the robot's stop() or close(), from another thread or a signal handler, has ended."""
+    """Raised by a running call of a Robot when stop() or close() ends this call. Another thread or a signal
+    handler may have called stop() or close()."""
 
 class CameraModel:
     def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float,
@@ -116,8 +117,8 @@ class Posture:
     def angle(self) -> _Floats: ...
 
 class Robot:
-    """Accepts one call at a time, or raises RuntimeError. A Robot in a Simulation and that Simulation count as one
-    object. stop() and close() are always accepted."""
+    """Accepts one call at a time: raises RuntimeError if another thread's call is running. A Robot in a
+    Simulation and that Simulation count as one object. stop() and close() are always accepted."""
     @overload
     def __init__(self, simulation: Simulation, *, watchdog: float = ..., when_lost: str = ...) -> None: ...
     @overload
@@ -134,14 +135,16 @@ class Robot:
     def set_limits(self, joints: Sequence[_Joint] | None = ..., *, ramp: float = ..., lower: float = ...,
                    upper: float = ...) -> None: ...
     def stop(self) -> None:
-        """Switches the motors off at once, latched until clear() or enable(). Can be called from any thread at any
-        time. A running call ends first, and raises Stopped. Returns when the board has confirmed; else raises."""
+        """Switches the motors off at once. They stay off until clear() or enable(). Can be called from any
+        thread at any time. A running call ends first, and raises Stopped. stop() returns when the board has
+        confirmed that the motors are off. Without this confirmation, stop() raises an exception."""
     def clear(self) -> None: ...
     def sleep(self, seconds: float) -> None: ...
     @property
     def time(self) -> float: ...
     def close(self) -> None:
-        """Switches the motors off, if the board still answers, and closes the port. Any thread, like stop()."""
+        """Switches the motors off, if the board still answers, and closes the port. Can be called from any
+        thread at any time, like stop()."""
     def __enter__(self) -> Robot: ...
     def __exit__(self, *of: object) -> None: ...
 

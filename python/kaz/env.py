@@ -1,4 +1,4 @@
-# kaz.VectorEnv: many robots for learning and evaluation, by the interface of Gymnasium's vector environments.
+# kaz.VectorEnv: many robots for learning and evaluation. Interface: Gymnasium's vector environments.
 # SPDX-License-Identifier: Apache-2.0
 """VectorEnv(task, num_envs=8, engine="native"): robots that run in C++ threads, cloned from one loaded world.
 
@@ -13,8 +13,8 @@ observed angles are the true angles. "native" also simulates the firmware's C co
 potentiometers. "h8" runs the firmware image in the emulator instead of the C code.
 
 An action has a number from -1 to 1 for each controlled joint. The number times `reach` (rad) is the joint's
-offset from the posture HOME. A period is 20 ms. Without gymnasium, the spaces are `Box` and `Dict` from this
-module. Both have the same members as Gymnasium's classes.
+offset from the posture HOME. A period is 20 ms. If Gymnasium is missing, the spaces are `Box` and `Dict` from
+this module. Both have the most important members of Gymnasium's classes.
 """
 
 import os
@@ -54,7 +54,7 @@ except ImportError:
             self._random = numpy.random.default_rng(seed)
 
     class Dict:  # type: ignore
-        """Space of dicts: a space for each name."""
+        """Space of dicts: each name has its own space."""
 
         def __init__(self, spaces):
             self.spaces = dict(spaces)
@@ -109,7 +109,7 @@ except ImportError:
 
 try:
     from gymnasium.vector import AutoresetMode as _AutoresetMode  # type: ignore
-except ImportError:  # there is none before Gymnasium 1.1, either
+except ImportError:  # also missing in versions of Gymnasium before 1.1
     _AutoresetMode = {"next_step": "next_step", "same_step": "same_step", "disabled": "disabled"}.get
 else:
     _AutoresetMode = {mode.name.lower(): mode for mode in _AutoresetMode}.get
@@ -211,7 +211,7 @@ class Walk(_Task):
 class Turn(_Task):
     """Turn on the spot by 0.5 to 2.6 rad, to either side, and stay within 10 degrees for half a second.
 
-    Features: sine and cosine of the remaining angle. Reward: 5 per radian of progress, plus 10 at the end,
+    Features: sine and cosine of the remaining angle. Reward: 5 per radian of progress, plus 10 on success,
     minus 1/100 of the actions' mean square. Success or a fall ends the episode.
     """
 
@@ -271,20 +271,21 @@ class Look(_Task):
 class Catch(_Task):
     """Search for a ball, walk to it, and lift it 2 cm off the floor for half a second.
 
-    The ball lies out of view, 0.5 m away and 70 degrees to the right. It is pushed at the start.
+    The ball lies out of view, 0.5 m away and 70 degrees to the right. The ball is pushed at the start.
 
-    Features: the ball's position in the left eye's frame (right, down, ahead), m, and 1 if the ball is seen,
-    else 0. With pictures, kaz.vision.BallDetector computes these features from the newest left picture. If
-    the detector finds no ball, the position is the last detected position, initially 0. Without pictures, the
-    position is ground truth, even out of view, and the last feature is 1.
+    Features: the ball's position in the left eye's frame (right, down, ahead), m. The last feature is 1 if
+    the ball is seen, else 0. With pictures, kaz.vision.BallDetector computes these features from the newest
+    left picture. If the detector finds no ball, the position is the last detected position, initially 0.
+    Without pictures, the position is ground truth, even if the ball is out of view. The last feature is then
+    always 1.
 
-    Reward: 5 per meter by which the midpoint between the hands approaches the ball, plus 0.1 per period with
-    the ball off the floor, plus 10 at the end, minus 1/100 of the actions' mean square. Success or a fall
-    ends the episode.
+    Reward: 5 per meter by which the midpoint between the hands approaches the ball, plus 0.1 per period in
+    which the ball is at least 2 cm off the floor, plus 10 on success. 1/100 of the actions' mean square is
+    subtracted. Success or a fall ends the episode.
     """
 
     world, joints, reach, features, episode_s = "catch", list(JOINTS), 1.2, 4, 60.0
-    lowest = 0.4  # it has to stoop
+    lowest = 0.4  # the robot must stoop to reach the ball
     clear_m, hold_s = 0.02, 0.5
 
     def begin(self, i, random, env):
@@ -341,8 +342,9 @@ class VectorEnv(_VectorEnv):
 
     pictures: the kind of eyes, "ideal" or "real"; not valid with engine "none". With pictures, each
     observation is a dict. "state" is the observation without pictures. "pictures" is the newest pair of
-    pictures that has reached the host; the eyes take 30 pairs per second. Its shape is robots x 2 (left,
-    right) x height x width x 3 bytes (RGB). infos["picture_age_s"] is the time since the pair's exposure.
+    pictures that has reached the host; the eyes take 30 pairs per second. The shape of "pictures" is
+    robots x 2 (left, right) x height x width x 3 bytes (RGB). infos["picture_age_s"] is the time since the
+    pair's exposure.
     """
 
     def __init__(self, task="stand", num_envs=8, engine="native", threads=0, autoreset_mode="next_step",
@@ -399,9 +401,9 @@ class VectorEnv(_VectorEnv):
     def reset(self, *, seed=None, options=None):
         """Resets the robots and returns observations, infos.
 
-        seed: the first robot's seed, to which the other robots add 1, 2 and so on; or a list with a seed per
-        robot; or None, which continues the current random numbers. options["reset_mask"]: the robots to
-        reset."""
+        seed: a number is the first robot's seed, and the following robots use seed + 1, seed + 2 and so on. A
+        list contains one seed per robot. With None, the current sequences of random numbers continue.
+        options["reset_mask"]: the robots to reset."""
         mask = numpy.ones(self.num_envs, bool)
         if options and "reset_mask" in options:
             mask = numpy.asarray(options["reset_mask"], bool)
@@ -504,7 +506,7 @@ class Env(_Env):
     def __init__(self, task="stand", engine="native", episode_s=None, pictures=None, **simulation):
         for name in ("num_envs", "threads", "autoreset_mode"):
             if name in simulation:
-                raise UsageError(f"{name}: only valid with VectorEnv; an Env is one robot")
+                raise UsageError(f"{name}: only valid with VectorEnv; an Env has one robot")
         self._one = VectorEnv(task, num_envs=1, engine=engine, threads=1, autoreset_mode="disabled",
                               episode_s=episode_s, pictures=pictures, **simulation)
         self.action_space = self._one.single_action_space

@@ -3,9 +3,9 @@
 """Draws the figures of the 2002 paper that show a run, and a page with all of them.
 
 Figure 3 shows track-ball, figures 5 and 6 show navigate, figure 7 shows a sweep of the head, and figure 8
-shows catch-ball. The program records each run into its own folder, and then simulates the recording again:
-it writes the recorded bytes to the same board in the same world. This repetition gives the eyes' pictures,
-the true poses and the outside views. Figures 1, 2 and 4 of the paper show no run."""
+shows catch-ball. The program records each run into a separate folder, and then simulates the run again.
+The second simulation sends the recorded bytes to the same board in the same world. It yields the eyes'
+pictures, the true poses and the outside views. Figures 1, 2 and 4 of the paper show no run."""
 
 import argparse
 import contextlib
@@ -122,7 +122,7 @@ class Run:
 
 
 class FloorMap:
-    """A map of floor and obstacles, a short form of the robot's own. x: forward, y: left; m."""
+    """A map of floor and obstacles, simpler than the map of the robot. x: forward, y: left; m."""
 
     CELL = 0.01
     edges = numpy.arange(-2, 2 + CELL / 2, CELL)
@@ -132,7 +132,7 @@ class FloorMap:
         self.odds = numpy.zeros(self.grid.shape[:2])  # log-odds of an obstacle
 
     def add(self, floor, disparity, camera, eye):
-        """Enters a picture. floor: mask of the floor's pixels; eye: pose of the optical frame in the map."""
+        """Adds a picture to the map. floor: mask of the floor; eye: pose of the optical frame in the map."""
         fb = camera.fx * camera.baseline_m
         # Cell center p in the optical frame: u = fx p_x / p_z + cx. A sigma of the depth is 0.2 px z^2 / fb.
         p = (self.grid - eye[:3, 3]) @ eye[:3, :3]
@@ -166,7 +166,8 @@ class FloorMap:
 
 
 def planes_of(pair, eye):
-    """Returns disparity, labels of planes, and the pixels of level planes (0.1 rad) at z = 0 (2 cm)."""
+    """Returns the disparity, the plane labels, and the mask of the floor's pixels.
+    A plane is floor if it is level within 0.1 rad and its height z is 0 within 2 cm."""
     disparity = kaz.vision.DepthFinder().find(pair.left, pair.right, pair.camera)
     planes, label = kaz.vision.PlaneFinder().find(disparity, pair.camera)
     floor = [number for number, plane in enumerate(planes, 1) if eye[2, :3] @ plane["normal"] > math.cos(0.1)
@@ -185,7 +186,7 @@ def matrix(pose, place="position", turn="orientation"):
 # ---- Layout
 
 def fill(figure, panels, columns):
-    """Draws panels in rows. A panel is a picture, or a function that draws on the axes, and its caption."""
+    """Draws panels in rows. A panel is (content, caption). content: a picture, or a function that draws."""
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     for (shown, caption), axis in zip(panels, axes.flat):
         axis.set(xticks=[], yticks=[])
@@ -201,7 +202,7 @@ def page(panels, columns, width):
 
 
 def show_cells(axis, codes, forward, left, cmap="gray"):
-    """Shows the cells of a map from -2 to 2 m. forward, left: the least and most of them in view."""
+    """Shows the cells of a map from -2 to 2 m. forward, left: visible range (min, max), m."""
     axis.imshow(codes[::-1, ::-1], cmap, vmin=0, vmax=255, extent=(2, -2, -2, 2), interpolation="nearest")
     axis.set(ylim=forward, xlim=left[::-1])
 
@@ -431,7 +432,7 @@ def figure8(run):
 # ---- Runs, files and arguments
 
 def record_sweep(out, **options):
-    """Records the crouching robot while its head turns to the right and, at another tilt, back."""
+    """Records the crouching robot while its head turns to the right, and then back at another tilt."""
     pathlib.Path(out).mkdir(parents=True, exist_ok=True)
     sim = kaz.Simulation(recording=out + "/recording.mcap", **options)
     sim.pairs()
@@ -454,7 +455,7 @@ def record_sweep(out, **options):
 
 @contextlib.contextmanager
 def progress(text, quiet):
-    """Prints the text every 2 s, with the time."""
+    """Prints the text and the elapsed time every 2 s, unless `quiet` is true."""
     ended, begin = threading.Event(), time.monotonic()
 
     def report():
@@ -468,7 +469,7 @@ def progress(text, quiet):
 
 
 def write(path, save):
-    """Calls save() with a temporary name, and renames the file."""
+    """Calls save() with a temporary path, and then renames the file to `path`."""
     part = path.with_name("part-" + path.name)
     save(part)
     os.replace(part, path)
@@ -528,7 +529,8 @@ def check_worlds(boxes, yard):
 
 
 def runs_of(given):
-    """Yields the figures to draw, the run's name, and its recording, after recording it."""
+    """Records each run, or uses the given recording. Yields for each run: the figures to draw, the
+    name of the run, the path of the recording, and a sentence if the run failed (else "")."""
     if given.recording:
         run = Run(given.recording)
         shown = SHOWN_BY.get(run.behavior, [])

@@ -17,7 +17,7 @@ _FIELD = re.compile(r"^\s*([A-Za-z0-9_/]+)(\[\d*\])?\s+([A-Za-z0-9_]+)\s*(=.*)?$
 
 
 class _Schema:
-    """A ROS 1 message definition. A message holds the fields in order, little-endian, without padding."""
+    """A ROS 1 message definition. A message contains the fields in order, little-endian, without padding."""
 
     def __init__(self, text):
         parts = re.split(r"^=+$", text, flags=re.M)

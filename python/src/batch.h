@@ -1,4 +1,4 @@
-// Simulates many robots in several threads. The core of kaz.VectorEnv.
+// Simulates many robots in several threads. kaz.VectorEnv is based on this class.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A step is one control period. With the engines `native` and `h8`, each robot has its own servo board.

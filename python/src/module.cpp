@@ -45,8 +45,8 @@ const char* Stopped::what() const noexcept {
 LockedCall::LockedCall(ObjectLock& lock) : call_(lock) {
   if (call_.state() == ObjectLock::Call::State::stopping) throw Stopped();
   if (call_.state() == ObjectLock::Call::State::in_use)
-    throw std::runtime_error(lock.name() +
-                             " is in use by another thread: wait until its call has returned");
+    throw std::runtime_error(
+        lock.name() + " is in use by another thread: wait until the call of that thread returns");
 }
 
 void check_signals() {

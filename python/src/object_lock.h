@@ -1,9 +1,9 @@
 // Rejects concurrent calls on an object that Python threads share. A stop ends the running call.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calls run without the GIL, so only this lock keeps a second thread out. While a call is running, a call of
-// another thread is refused, but a stop is not. The stop requests the interrupt, waits until the running call
-// has left the object, and is then the only user of the object. Thread-safe. Does not use Python.
+// Calls run without the GIL, so only this lock keeps a second thread out. While a call is running, calls of
+// other threads are refused, but a stop is accepted. The stop requests the interrupt, waits until the running
+// call has left the object, and is then the only user of the object. Thread-safe. Does not use Python.
 #pragma once
 
 #include <condition_variable>
@@ -23,7 +23,7 @@ class ObjectLock {
   ObjectLock(const ObjectLock&) = delete;
   ObjectLock& operator=(const ObjectLock&) = delete;
 
-  // One call of the object. A call consists of one or several pieces of work. Between two pieces, the calling
+  // One call on the object. A call consists of one or several pieces of work. Between two pieces, the calling
   // thread may run other Python code, such as a signal handler. If that code calls the same object, the new
   // call is nested in the running call.
   class Call {

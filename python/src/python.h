@@ -1,9 +1,9 @@
 // Common parts of the Python module: errors as exceptions, arrays, joint names.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Operations of more than some microseconds run without the GIL. The arguments are checked before the GIL is
-// released. Therefore each object that a call changes has an ObjectLock, and all member functions of the
-// object use LockedCall.
+// Operations that take more than a few microseconds run without the GIL. Their arguments are checked before
+// the GIL is released. Without the GIL, several threads could use one object at the same time. Therefore each
+// object that a call changes has an ObjectLock, and all member functions of the object use LockedCall.
 #pragma once
 
 #include <pybind11/numpy.h>

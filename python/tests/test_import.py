@@ -40,7 +40,8 @@ class Import(unittest.TestCase):
         self.assertEqual(
             self.sentence(),
             f"ImportError: kaz's compiled module is not built: run {TREE}/tools/dev build kaz_python, then "
-            f"{(BUILT / 'built_for.txt').read_text().strip()} with PYTHONPATH={TREE}/build/release/python")
+            f"start {(BUILT / 'built_for.txt').read_text().strip()} "
+            f"with PYTHONPATH={TREE}/build/release/python")
         # Without a build folder, from the sources.
         self.assertIn(f"{TREE}/tools/dev build kaz_python", self.sentence(path=TREE / "python"))
 

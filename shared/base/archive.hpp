@@ -10,8 +10,8 @@
 //
 // Bytes may be damaged or hostile, and a checksum does not exclude hostile bytes. So the reader refuses
 // values out of range. The limit of an enumeration is last_value(). kMaxArchived limits floating-point
-// numbers, and kMaxArchivedTime limits times. A length cannot exceed the number of remaining bytes. A class
-// checks all other indices, lengths, shifts and divisors itself, with require() in transfer().
+// numbers, and kMaxArchivedTime limits times. A length cannot exceed the number of remaining bytes. All other
+// indices, lengths, shifts and divisors are checked by each class, with require() in its transfer().
 //
 // After a refusal, the members can have arbitrary values, and the owner of the object must restore the old
 // values.
@@ -97,8 +97,8 @@ class StateArchive {
     (one(values), ...);
   }
 
-  // Returns the first error; empty if there was no error. The words "it" and "its" in the text mean the
-  // archive, so the caller must name the archive before the text.
+  // Returns the first error; empty if there was no error. In the text, the words "it" and "its" stand for the
+  // archive. So a caller that prints the text must name the archive first.
   const std::string& error() const { return error_; }
   bool good() const { return error_.empty(); }
   // Records an error. After the first error, further errors are ignored.

@@ -1,4 +1,4 @@
-// Parses JSON from outside, with a limit on nesting. All programs use this parser.
+// Parses untrusted JSON text, with a limit on the nesting depth. All programs use this parser.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_BOUNDED_JSON_HPP
 #define KAZ_SHARED_BASE_BOUNDED_JSON_HPP

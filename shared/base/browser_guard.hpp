@@ -7,7 +7,7 @@
 // HTTP, the server may skip the HTTP header as noise and then execute the body as commands.
 //
 // So each TCP listener that does not speak HTTP first passes received bytes through a BrowserGuard. The guard
-// admits a connection only if the first bytes could come from a client of the port.
+// admits a connection only if the first bytes cannot come from a browser.
 #pragma once
 
 #include <algorithm>
@@ -42,9 +42,9 @@ class BrowserGuard {
   explicit BrowserGuard(Peer peer) : peer_(peer) {}
 
   // Checks the next received bytes. Returns the bytes to pass on, or nullopt if the peer may be a browser.
-  // The caller must then close the connection. Use the result before the next call of admit(), and only while
-  // `bytes` exists. As long as the first GDB packet is incomplete, the result is empty. There is no timeout
-  // for the first packet.
+  // The caller must then close the connection. The result is valid until the next call of admit(), and only
+  // as long as `bytes` exists. As long as the first GDB packet is incomplete, the result is empty. There is
+  // no timeout for the first packet.
   std::optional<std::span<const std::uint8_t>> admit(std::span<const std::uint8_t> bytes) {
     if (admitted_ || bytes.empty()) return bytes;
     if (peer_ == Peer::frames) {

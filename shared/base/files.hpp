@@ -135,9 +135,9 @@ inline bool move_into_place(const std::string& from, const std::string& to) {
   return !folder || sync_file(folder.get());
 }
 
-// Replaces the file at `path` atomically: an existing file stays until all new bytes are on disk. If `path`
-// is a symbolic link, the target of the link is replaced. Devices and pipes are written directly. Returns
-// Fault::environment on failure.
+// Replaces the file at `path` atomically: an existing file keeps its content until all new bytes are on disk.
+// If `path` is a symbolic link, the target of the link is replaced. Devices and pipes are written directly.
+// Returns Fault::environment on failure.
 inline Result<void> write_whole_file(const std::string& path, std::string_view bytes) {
   const auto cannot = [&](const char* what, int error) { return write_failure(path, what, error); };
   std::error_code no_link;

@@ -14,7 +14,7 @@ nlohmann::json parse_json(std::string_view text);
 
 namespace nlohmann {
 
-// GoogleTest calls this to print a JSON value in a failure message.
+// GoogleTest calls this function to print a JSON value in a failure message.
 void PrintTo(const json& value, std::ostream* out);
 
 }  // namespace nlohmann

@@ -1,4 +1,5 @@
-// Sanitizes text from outside (names in files, paths, replies from a port) for use within one line.
+// Sanitizes untrusted text (names in files, paths, replies from a port), so that it fits into one line of
+// output.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BASE_ONE_LINE_HPP
 #define KAZ_SHARED_BASE_ONE_LINE_HPP
@@ -68,7 +69,8 @@ inline std::string cut_text(std::string_view text, std::size_t max = 80) {
   return std::string(text.substr(0, end)) + "...";
 }
 
-// Returns `text` as one line of at most 200 bytes. For errors that quote an argument of the user.
+// Returns `text` as one line of at most 200 bytes. Error messages use this function to quote an argument of
+// the user.
 inline std::string shown_text(std::string_view text) {
   return cut_text(one_line(text), 197);
 }

@@ -38,7 +38,7 @@ class Profile {
   };
 
   // A Profile measures the scopes of all threads during the lifetime of the Profile. At most one Profile may
-  // exist. Scopes that are open when the Profile begins or ends do not count.
+  // exist. A scope does not count if it is open when the Profile begins or ends.
   Profile() {
     epoch().fetch_add(1);
     current().store(this);

@@ -35,8 +35,8 @@ inline tl::unexpected<Error> fail(Fault fault, std::string message) {
   return tl::unexpected<Error>(Error{fault, std::move(message)});
 }
 
-// Returns an error with Fault::environment. Libraries that do not know the right Fault for a command, such as
-// the image parsers and the emulator, use this function. The caller of the library then replaces
+// Returns an error with Fault::environment. Libraries use this function if the right Fault depends on the
+// command. Examples are the image parsers and the emulator. The caller of the library then replaces
 // Fault::environment with the right Fault.
 inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{.message = std::move(message)});

@@ -1,4 +1,5 @@
-// Converts a potentiometer's A/D code to a joint angle. Inline for the servo loop.
+// Converts a potentiometer's A/D code to a joint angle. The function is inline, because the servo loop calls
+// it often.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_BOARD_POT_H
 #define KAZ_SHARED_BOARD_POT_H

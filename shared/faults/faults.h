@@ -85,7 +85,7 @@ struct Fault {
 // Parses one line of a schedule. The line must not have a comment. Without `at`, the fault begins at `now`.
 // Returns Fault::usage with the expected and the found text if the line is invalid.
 Result<Fault> parse(std::string_view line, Time now = Time::zero());
-// Returns the line from which parse() reads `fault`.
+// Returns `fault` as one line of a schedule. parse() converts this line back to the same fault.
 std::string text_of(const Fault& fault);
 
 // List of faults in any order.
@@ -103,7 +103,7 @@ class Schedule {
   void clear() { faults_.clear(); }
   std::span<const Fault> faults() const { return faults_; }
   bool empty() const { return faults_.empty(); }
-  // Returns the text that parse() reads, one fault per line.
+  // Returns the schedule as text in the format of parse(), with one fault per line.
   std::string text() const;
   // Returns the faults that begin at `end` or later.
   std::vector<Fault> not_begun(Time end) const;
@@ -128,8 +128,7 @@ struct RandomOptions {
   // Each `true` permits one group of faults: faults of the line, of joints, or of the board's power.
   bool line = true, joints = true, power = true;
 };
-// Returns a message that lists `faults` as faults that never began. If `faults` is empty, returns an empty
-// text.
+// Returns a message which states that `faults` never began. If `faults` is empty, returns an empty text.
 std::string not_begun_text(std::span<const Fault> faults);
 // Draws a schedule. The same seed and options give the same schedule.
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);

@@ -16,7 +16,7 @@ struct LineByte {
   bool framing_error = false;
 };
 
-// The bytes that a receiver gets for one sent byte. Link faults can add noise before the sent byte and a
+// Bytes that arrive at the receiver for one sent byte. Link faults can add noise before the sent byte and a
 // duplicate after it, and can drop the sent byte.
 struct LineBytes {
   std::array<LineByte, 3> bytes{};
@@ -24,8 +24,8 @@ struct LineBytes {
   Time delay{};  // additional delay
 };
 
-// Returns the byte that a receiver gets if its clock differs from the sender's clock. `error` is the rate of
-// the sender's clock divided by the rate of the receiver's clock, minus 1. The byte is 8N1. The receiver
+// Returns the byte that a receiver samples if its clock differs from the sender's clock. `error` is the rate
+// of the sender's clock divided by the rate of the receiver's clock, minus 1. The byte is 8N1. The receiver
 // samples each bit in the middle, according to its own clock. The line is idle (high) after the byte.
 LineByte sampled(std::uint8_t value, double error);
 

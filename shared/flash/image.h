@@ -1,6 +1,5 @@
 // Integrity marks in flash. The loader checks the application's header before starting the application.
-// Before a host erases flash, the host checks the loader's mark. The loader's
-// mark contains a CRC of vectors and loader.
+// Before a host erases flash, the host checks the loader's mark, which contains a CRC of vectors and loader.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_FLASH_IMAGE_H
 #define KAZ_SHARED_FLASH_IMAGE_H

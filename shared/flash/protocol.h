@@ -26,7 +26,7 @@
 #define KZ_WRITER_DATA_MAX 512  // maximum data of a WRITE or READ, bytes
 #define KZ_WRITER_PAYLOAD_MAX (KZ_WRITER_DATA_MAX + 4)
 #define KZ_WRITER_FRAME_MAX (KZ_WRITER_PAYLOAD_MAX + KZ_WRITER_OVERHEAD)
-// Maximum number of outstanding requests: one that the writer executes, and one that it receives meanwhile.
+// Maximum number of outstanding requests. The writer executes one request and meanwhile receives another.
 #define KZ_WRITER_WINDOW 2
 
 // Requests. The comment on each request describes the payload of the request and the payload of the reply. In
@@ -45,7 +45,7 @@
 // of an address (2). If a line fails, the writer stops, and the reply has the address of this line. If all
 // lines succeed, the reply has the address of the byte after the data.
 //
-// A request that reaches beyond the end of flash writes nothing to flash.
+// If the data of a WRITE extend beyond the end of flash, the writer writes nothing.
 //
 // A WRITE to RAM has an address from 00FF0000 to 00FFFFFF. After boot mode, the host loads the writer's
 // second stage by writes to RAM, in order and without gaps. Writes to RAM have no other use. Bytes that are
@@ -66,7 +66,7 @@
 #define KZ_WRITER_UNKNOWN 2  // unknown request
 // The arguments of the request are wrong: a value is out of range, or the payload has a wrong length. The
 // arguments of a WRITE are also wrong if the address or the size of the data is not a multiple of 32 bytes.
-// The address of a WRITE to RAM is wrong if there would be a gap between the loaded bytes and the new bytes.
+// The address of a WRITE to RAM is wrong if it leaves a gap after the bytes that are already loaded.
 #define KZ_WRITER_ARGUMENTS 3
 // The memory is protected. A writer that the loader started protects the blocks of vectors and loader, and
 // all RAM. After boot mode, the writer protects RAM outside the second stage. If a WRITE would change bytes
@@ -74,7 +74,7 @@
 #define KZ_WRITER_PROTECTED 4
 #define KZ_WRITER_NOT_ERASED 5   // some cells are not erased after the maximum number of pulses
 #define KZ_WRITER_NOT_WRITTEN 6  // cells have a wrong value after the maximum number of pulses
-#define KZ_WRITER_NOT_BLANK 7    // the line holds other data; erase the block first
+#define KZ_WRITER_NOT_BLANK 7    // the line contains other data; erase the block first
 #define KZ_WRITER_LOCKED 8       // the chip's error protection is active until reset
 #define KZ_WRITER_NOTHING 9      // RUN: there is no program, because the reset vector is blank
 

@@ -23,7 +23,7 @@ class Reader final : public HexRecords {
     const auto bytes = KAZ_TRY(digits(line, 1));
     if (bytes.size() < 5) return error("the record is too short: at least 5 bytes expected");
     if (bytes.front() + std::size_t{5} != bytes.size())
-      return error("length byte says " + std::to_string(bytes.front()) + ", the line has " +
+      return error("length byte is " + std::to_string(bytes.front()) + ", but the line has " +
                    std::to_string(bytes.size() - 5) + " bytes of data");
     if (sum_of(bytes) != 0) return error("wrong checksum");
     return take(bytes);

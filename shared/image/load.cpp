@@ -62,7 +62,8 @@ Result<Image> load_image(const std::string& path, const LoadOptions& options) {
   return fail(
       path +
       ": unknown format: not S-record (starts with S), Intel HEX (starts with a colon), H8 COFF "
-      "(83 02) or ELF (7f 45 4c 46); for a raw image use --format raw --at A, if the verb has it");
+      "(83 02) or ELF (7f 45 4c 46); for a raw image use --format raw --at A, if the command has "
+      "these options");
 }
 
 }  // namespace kaz::h8s

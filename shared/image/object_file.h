@@ -34,8 +34,8 @@ class ObjectFile {
   }
   // Returns an error that names the file and the offset.
   tl::unexpected<Error> error(std::size_t at, const std::string& what) const;
-  // Returns the text at offset `at`, up to a zero byte. Control characters become '?' because texts go into
-  // messages.
+  // Returns the text at offset `at`, up to a zero byte. Control characters become '?', because error messages
+  // contain such texts.
   std::string text(std::size_t at, std::size_t max_length) const;
   // Adds `segment` with `size` bytes at file offset `offset`. `at` (offset of the segment's header) and
   // `what` (name of the segment) are only used for error messages. Returns an error if contents are outside

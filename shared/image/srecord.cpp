@@ -38,7 +38,7 @@ class Reader final : public HexRecords {
     if (width == 0) return error(std::string("unknown record type S") + type);
     const auto bytes = KAZ_TRY(digits(line, 2));
     if (bytes.front() + std::size_t{1} != bytes.size())
-      return error("length byte says " + std::to_string(bytes.front()) + ", the line has " +
+      return error("length byte is " + std::to_string(bytes.front()) + ", but the line has " +
                    std::to_string(bytes.size() - 1) + " bytes");
     if (bytes.front() < width + 1) return error("record too short for its address");
     unsigned sum = 0;
@@ -51,7 +51,7 @@ class Reader final : public HexRecords {
   Result<void> take(char type, std::uint32_t address, std::span<const std::uint8_t> data) {
     if (type == '5' || type == '6') {
       if (address != data_records_ % (type == '5' ? 0x10000u : 0x1000000u))
-        return error("record count says " + std::to_string(address) + ", the file has " +
+        return error("record count is " + std::to_string(address) + ", but the file has " +
                      std::to_string(data_records_));
     } else if (type >= '7') {
       entry(address);

@@ -55,7 +55,8 @@ inline bool within(const SizeLimits& limits, std::uint64_t width, std::uint64_t 
          width * height <= limits.max_pixels;
 }
 
-// Cause of a decoding failure. The caller makes the error message, with the file's name and the limits.
+// Cause of a decoding failure. The caller composes the error message from this cause, the file's name and the
+// limits.
 struct DecodeError {
   enum class Kind {
     invalid,  // wrong format or truncated; `reason` is the library's message

@@ -8,8 +8,8 @@
 
 namespace kaz::plot {
 
-// Returns SVG 1.1. The result can be a separate file or a part of an HTML page. Text is stored as text, so
-// that readers can search the text, and viewers draw the text with their own font.
+// Returns SVG 1.1. The result can be a separate file or a part of an HTML page. Text is stored as SVG text
+// elements, not as outlines. So readers can search the text, and viewers draw it with their own font.
 std::string plot_svg(const PlotPage& page);
 
 }  // namespace kaz::plot

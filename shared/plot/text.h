@@ -7,8 +7,8 @@
 
 namespace kaz::plot {
 
-// Returns an upper estimate of the text's width, px, for common sans-serif fonts. The font of the reader is
-// unknown.
+// Returns an upper estimate of the text's width, px. The estimate covers common sans-serif fonts, because the
+// font of the reader is unknown.
 double text_width(const std::string& utf8, double size_px, bool bold = false);
 
 // Breaks the text at spaces into lines of at most `width_px`. A word that is wider than `width_px` gets its

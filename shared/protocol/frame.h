@@ -69,8 +69,8 @@ u16 kz_crc16(u16 crc, u8 byte);
 
 #define KZ_RECEIVER_BETWEEN 1  // state between frames
 
-// Frame decoder. Each byte costs a few instructions, and the end of a frame costs one pass over the frame.
-// The struct contains the buffer. The decoder checks all lengths from the wire.
+// Frame decoder. Each byte takes only a few instructions. At the end of a frame, the decoder goes through the
+// whole frame once more. The struct contains the buffer. The decoder checks all lengths from the wire.
 typedef struct kz_receiver {
   u16 crc;    // CRC of the frame's bytes except the last three, which may be the check
   u8 length;  // number of received bytes; after KZ_RECEIVE_FRAME, size of the body
@@ -87,7 +87,7 @@ u8 kz_receive(kz_receiver* receiver, u8 byte, u8 errors);
 // the result of the last processed byte in the upper byte, and the number of processed bytes in the lower
 // byte.
 u16 kz_receive_some(kz_receiver* receiver, const u8* bytes, const u8* errors, u8 count);
-// If a frame has begun, kz_receiver_silent calls kz_receiver_waited.
+// Internal: kz_receiver_silent calls this function if a frame has begun.
 u8 kz_receiver_waited(kz_receiver* receiver);
 // Call kz_receiver_silent for each millisecond without a byte. If bytes arrive, the caller must set silent_ms
 // to 0. If a frame has begun and no byte arrives for KZ_IDLE_MS milliseconds, the function drops the frame
@@ -103,9 +103,9 @@ static inline u8 kz_receiver_silent(kz_receiver* receiver) {
 u8 kz_frame_encode(const u8* body, u8 body_length, u8* wire);
 
 // A stuffed byte is critical if the CRC after this byte is 0xFFFF, the start value of the CRC. If damage
-// changes a critical byte to zero, the rest of the frame has a valid check. If the frame has a critical byte,
-// kz_frame_splits returns 1, otherwise 0. About one of 1500 frames has a critical byte. If a frame has a
-// critical byte, the sender should encode the message again, with another sequence number.
+// changes a critical byte to zero, the rest of the frame has a valid check. About one of 1500 frames has a
+// critical byte. kz_frame_splits returns 1 if the frame has a critical byte, and 0 if not. If the result is
+// 1, the sender should encode the message again, with another sequence number.
 u8 kz_frame_splits(const u8* wire, u8 length);
 
 // Frame encoder that works in pieces. Each call of kz_sender_take encodes the next bytes of the frame.

@@ -48,15 +48,16 @@ u8 kz_kind_of(u8 code);
 u8 kz_is_query(u8 request);
 // Returns 1 if the board writes flash to execute a request. The reply to such a request takes up to 3 s.
 u8 kz_writes_flash(u8 request);
-// Returns 1 if a request makes the board write flash or restart. While the board writes flash or restarts,
-// the board receives nothing.
+// Returns 1 if the board writes flash or restarts to execute a request. During this time, the board receives
+// nothing.
 u8 kz_interrupts_service(u8 request);
 
-// Returns the text of a refusal: "value out of range" for KZ_REFUSED_RANGE. Never NULL.
+// Returns the text of a refusal, such as "value out of range" for KZ_REFUSED_RANGE. Never NULL.
 const char* kz_refusal_text(u8 reason);
-// Returns the text of a shutdown: "emergency stop" for KZ_SHUTDOWN_STOP. Never NULL.
+// Returns the text of a shutdown, such as "emergency stop" for KZ_SHUTDOWN_STOP. Never NULL.
 const char* kz_shutdown_text(u8 reason);
-// Returns the name of a status flag (a single bit): "HOLDING" for KZ_STATUS_HOLDING. NULL if unknown.
+// Returns the name of a status flag (a single bit), such as "HOLDING" for KZ_STATUS_HOLDING. Returns NULL if
+// the flag is unknown.
 const char* kz_status_name(u16 flag);
 
 #ifdef __cplusplus

@@ -13,8 +13,8 @@ extern "C" {
 #endif
 
 #define KZ_PROTOCOL_VERSION 3
-// Oldest protocol version that hosts accept. Versions 2 and 3 have the same messages. If a host repeats a
-// `stop`, a board with version 3 executes the `stop` again, and a board with version 2 does not.
+// Oldest protocol version that hosts accept. Versions 2 and 3 have the same messages. The versions differ in
+// the handling of a repeated `stop`: version 3 executes it again, version 2 does not.
 #define KZ_PROTOCOL_VERSION_OLDEST 2
 #define KZ_REPLY 0x80         // this bit of the type is set in messages from board to host
 #define KZ_ADDRESS_DEFAULT 1  // address of a board that has no stored address
@@ -23,7 +23,7 @@ extern "C" {
 #define KZ_KEY 0x4B5A  // "KZ": key of requests that must not be executed by accident
 #define KZ_ALL_JOINTS 0x3FFFF
 
-// Maximum number of outstanding requests: one that the board answers, and one that waits.
+// Maximum number of outstanding requests. The board answers one request while another request waits.
 #define KZ_REQUESTS_UNDER_WAY 2
 // Number of latest requests that the board remembers to recognize repetitions.
 #define KZ_REQUESTS_REMEMBERED 4
@@ -39,8 +39,8 @@ extern "C" {
 #define KZ_STATUS_MISSED_TICK 0x0080   // a tick took too long; latched until `clear`
 
 // Reasons of a shutdown. The board latches the first reason. Until a request `clear` is executed, the board
-// latches no other reason. LINK_LOST leaves the motors on if the status has HOLDING. All other reasons switch
-// the motors off.
+// latches no other reason. A shutdown switches the motors off, with one exception: they stay on if the reason
+// is LINK_LOST and the status has HOLDING.
 #define KZ_SHUTDOWN_NONE 0
 #define KZ_SHUTDOWN_STOP 1          // the host's emergency stop
 #define KZ_SHUTDOWN_LINK_LOST 2     // timeout of the link watchdog
@@ -106,7 +106,7 @@ extern "C" {
 
 #define KZ_JOINTS_PER_REPLY 9  // maximum number of joints in a `joints_reply`
 
-// Value of a detail that refers to no joint and no field.
+// Value of `detail` if the reason concerns neither a joint nor a field.
 #define KZ_NO_DETAIL 255
 
 // Reasons of a refusal.
@@ -122,7 +122,7 @@ extern "C" {
 #define KZ_REFUSED_SHARED_LINE 10  // not allowed on a line with other boards
 #define KZ_REFUSED_STORE 11        // writing flash failed
 
-// Kinds of messages (messages.def). For a code that no message has, kz_kind_of returns KZ_KIND_NONE.
+// Kinds of messages (messages.def). If a code does not belong to a message, kz_kind_of returns KZ_KIND_NONE.
 enum kz_kind {
   KZ_KIND_NONE,
   KZ_KIND_QUERY,

@@ -10,9 +10,8 @@
 extern "C" {
 #endif
 
-// Subtracts 1 ms for this tick and 1 ms for each missed tick from the remaining times of the unlock and of
-// the raw drive. Call kz_bench_update in every tick while unlocked_ms is not 0. A raw drive requires the
-// unlock.
+// Reduces the remaining times of the unlock and of the raw drive: by 1 ms for this tick and for each missed
+// tick. Call kz_bench_update in every tick while unlocked_ms is not 0. A raw drive requires the unlock.
 void kz_bench_update(kz_servo* servo, const kz_tick_input* input);
 
 // Sets duty and direction of the raw-driven motor. Shuts down if the potentiometer of the raw-driven joint

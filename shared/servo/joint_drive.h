@@ -1,4 +1,5 @@
-// Limits a motor drive near soft limits, and converts drives to duty and direction. Inline for the loop.
+// Limits a motor drive near soft limits, and converts drives to duty and direction. Inline, for the joint
+// loop.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_JOINT_DRIVE_H
 #define KAZ_SHARED_SERVO_JOINT_DRIVE_H

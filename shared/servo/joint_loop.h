@@ -7,8 +7,8 @@
 //
 //   max speed = (distance + min(distance, 0.1 rad)) / T,  T = 64 ms
 //
-// If the speed of a joint is above this maximum, the board brakes the joint with up to full drive. At and
-// beyond a limit, drive further outward is cut.
+// If the speed of a joint is above this maximum, the board brakes the joint with up to full drive. At a limit
+// and beyond it, outward drive is set to 0.
 //
 // With T = 64 ms, full reverse drive at 10 V can stop any joint of Kaz in time. While a joint approaches a
 // limit at the maximum speed, the joint's deceleration must be speed / T. Within 0.1 rad of the limit, the
@@ -41,8 +41,8 @@ extern "C" {
 // does not have to brake for the limit within 4 ms. If the distance to a limit is more than 0.1 rad, the
 // maximum rate toward this limit is: distance + 1000. In 4 ms, the distance shrinks by at most 620, even at
 // the no-load speed of 15.5 rad/s at 12 V. In the same time, full drive raises the filtered rate by at most
-// 3,420, because the filter passes 41 % of a speed step. KZ_FAR_FROM_LIMIT must therefore be at least
-// 620 + 3420 - 1000 = 3040.
+// 3,420. The reason is that the filter passes 41 % of a speed step in 4 ms. KZ_FAR_FROM_LIMIT must therefore
+// be at least 620 + 3420 - 1000 = 3040.
 #define KZ_FAR_FROM_LIMIT 3100
 
 // Runs one tick for KZ_JOINTS joints. Computes the angle and rate of each joint from the A/D codes. If a

@@ -14,8 +14,8 @@ extern "C" {
 u8* kz_put_head(const kz_servo* servo, u8* to);
 
 // Write the fields of one reply, including tick and status, and return the end of the output. Each number is
-// written directly, because filling a structure and then packing the structure would take two loops over the
-// joints.
+// written directly into the reply. A structure that is first filled and then packed would need two loops over
+// the joints.
 u8* kz_put_state(const kz_servo* servo, u8* to);
 u8* kz_put_read_targets(const kz_servo* servo, u32 mask, u8* to);
 u8* kz_put_calibration(const kz_servo* servo, const kz_tick_input* input, u8* to);

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Sets gains, ramp and limits to the values after a reset. Copies the calibration from `startup`. `servo`
-// must be all zeros.
+// Sets gains, ramp and limits to their default values. Copies the calibration from `startup`. `servo` must be
+// all zeros.
 void kz_joints_init(kz_servo* servo, const kz_startup* startup);
 
 // Switches the joints of the mask on and all others off. A joint that was off holds its present angle.

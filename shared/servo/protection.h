@@ -21,8 +21,8 @@
 // winding can be 80 K warmer than the ambient air without damage. At full stall, a cold motor becomes 80 K
 // warmer within about 13 s. The time constant from winding to case is assumed to be two minutes. With this
 // time constant, a steady load of 0.35 of full stall (0.8 Nm) makes the winding 80 K warmer. The servo's
-// rated torque is 0.97 Nm for short times. All of these values are estimates. Replace the constants below
-// once the bench has measured a motor.
+// rated short-time torque is 0.97 Nm. All of these values are estimates. Replace the constants below once the
+// bench has measured a motor.
 //
 // Stall. The motors are switched off if a load of 0.7 of full stall lasts 1 s while the joint moves less than
 // 0.03 rad. No motion of the robot needs such a load at standstill for 1 s. If a motor stayed on at this

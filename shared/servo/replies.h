@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-// Writes the fields of the reply to an executed request; for a SPLIT_REPLY, only the first part of the
-// fields. Returns the size in bytes.
+// Writes the fields of the reply to an executed request. If the reply is a SPLIT_REPLY, writes only the first
+// part of the fields. Returns the size in bytes.
 u8 kz_reply(const kz_servo* servo, const kz_tick_input* input, const kz_answer* answer, u8* fields);
 
 // Appends the second part of a SPLIT_REPLY to `fields`. The first part has the size `bytes`. Returns the

@@ -18,16 +18,16 @@ void kz_requests_init(kz_servo* servo);
 // Executes the request in servo->receiver if the request is addressed to this board or to all boards.
 // servo->receiver must contain a valid frame. Queues the reply or refusal, unless the request was sent to all
 // boards. A repeated request is not executed again, and the reply reports the outcome of the first execution.
-// There are two exceptions. A repeated `stop` is executed again. The repetition of an executed request other
-// than `stop` can switch something off, but cannot switch anything on. For example, a repeated `enable`
-// switches no joint on.
+// There are two exceptions. A repeated `stop` is executed again. A repeated `enable`, `clear`, `unlock` or
+// `raw_drive` can still switch something off, but cannot switch anything on. For example, a repeated `enable`
+// switches joints outside its mask off, but switches no joint on.
 void kz_request_received(kz_servo* servo);
 
 // Sets the outcome of the requests that waited for the end of an action. `outcome` is a kz_outcome
 // (handlers.h).
 void kz_requests_finish(kz_servo* servo, u16 outcome);
-// Returns 1 if the pending action can begin: nothing is being sent, and all replies that must precede the
-// action have been sent.
+// Returns 1 if the pending action can begin: the sender is idle, and all replies to earlier requests have
+// been sent.
 u8 kz_requests_leave_room(const kz_servo* servo);
 
 // Starts the next reply, or telemetry if no reply is due. Does nothing while the sender is busy.

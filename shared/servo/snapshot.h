@@ -19,8 +19,8 @@ extern "C" {
 #define KZ_RESET_WATCHDOG 1
 #define KZ_RESET_COMMAND 2
 
-// Actions that a tick requests and that are performed before the next tick. A tick requests an action only
-// while all motors are off.
+// Actions. A tick requests an action, which is then performed before the next tick. A tick requests an action
+// only while all motors are off.
 #define KZ_ACTION_NONE 0
 #define KZ_ACTION_STORE_CALIBRATION 1  // writes pot_centre and pot_scale of the joints to flash
 #define KZ_ACTION_STORE_ADDRESS 2      // writes new_address and new_shared_line to flash
@@ -70,7 +70,8 @@ typedef struct kz_tick_input {
   u8 spare;                     // padding, makes the size even
 } kz_tick_input;
 
-// Outputs of a tick. The outputs reach the pins and the serial line at the start of the next tick.
+// Outputs of a tick. The outputs are written to the pins and to the serial line at the start of the next
+// tick.
 typedef struct kz_tick_output {
   u8 pw[16];  // values of PWDR0..15; output i is high for pw[i] / 256 of each period
   u8 tmo[2];  // time for which the outputs TMO0 and TMO1 are high, in counts

@@ -4,7 +4,7 @@
 // A log consists of one or two blocks of flash. The lines of a block are written in order; all lines of a
 // block are erased together. A copy of the settings has one line per part. The lines of a copy are
 // consecutive and share one sequence number. The newest complete copy is the valid copy. If the log has two
-// blocks, a block is erased only while the other block holds the newest copy. So after a power loss at any
+// blocks, a block is erased only while the other block contains the newest copy. So after a power loss at any
 // time, the old or the new copy is valid.
 //
 // The functions work on memory images of the blocks, so they also run on the PC. firmware/memory.c and the
@@ -65,10 +65,10 @@ typedef struct kz_store_plan {
 // the number of blocks, 1 or 2.
 void kz_store_scan(kz_store* store, const u8* const* images, u8 blocks, u8 parts);
 
-// Plans the next copy. If the block with the newest copy has room after its used lines, the next copy goes
-// there. If there is no room, the next copy goes to the beginning of the other block, which must be erased
-// first. If the log has only one block and the block is full, the block must be erased first. After the only
-// block of a log is erased, the log has no valid copy until the new copy is written.
+// Plans the next copy. If the block with the newest copy has enough free lines, the next copy goes to these
+// lines. Otherwise the next copy goes to the beginning of the other block, which must be erased first. If the
+// log has only one block, this block must be erased when it is full. From the erasure until the new copy is
+// written, the log then has no valid copy.
 void kz_store_plan_next(const kz_store* store, kz_store_plan* plan);
 
 // Writes one part of the planned copy to `line` (32 bytes). The caller must then program these 32 bytes into

@@ -1,4 +1,4 @@
-// Telemetry schedule: decides which frames are due, at the period that the host set.
+// Telemetry schedule: selects the frames that are due in each period. The host sets the period.
 // SPDX-License-Identifier: Apache-2.0
 #ifndef KAZ_SHARED_SERVO_TELEMETRY_H
 #define KAZ_SHARED_SERVO_TELEMETRY_H

@@ -1,4 +1,5 @@
-// The servo tick: the computation that the board performs every millisecond, from snapshot and state alone.
+// The servo tick: the computation that the board performs every millisecond. Its only inputs are snapshot and
+// state.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Equal sequences of kz_tick_input give equal sequences of kz_tick_output and equal state, on the H8S/2128
@@ -21,8 +22,8 @@ extern "C" {
 void kz_servo_init(kz_servo* servo, const kz_startup* startup, kz_tick_output* output);
 
 // Runs one tick. On entry, `output` must contain the output of the previous tick or of kz_servo_init; kz_tick
-// replaces all of `output`. Motors are off (enable bit and duties 0) after the start and after a shutdown,
-// until a request enables a joint or starts a raw drive.
+// replaces all of `output`. After the start and after a shutdown, all motors are off: enable bit and duties
+// are 0. They stay off until a request enables a joint or starts a raw drive.
 void kz_tick(kz_servo* servo, const kz_tick_input* input, kz_tick_output* output);
 
 #ifdef __cplusplus

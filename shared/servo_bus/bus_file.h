@@ -53,7 +53,7 @@ std::string bus_file_path(const std::string& urdf_path);
 Result<BusFile> load_bus_file(const std::string& urdf_path);
 
 // `zeros` maps the name of a joint to a new value of BusServo::zero. Returns a copy of `text` with the new
-// values. The copy keeps all other values of `text`. Precondition: parse_bus_file accepts `text`.
+// values. All other values are the same as in `text`. Precondition: parse_bus_file accepts `text`.
 std::string with_zeros(const std::string& text, const std::map<std::string, double>& zeros);
 
 }  // namespace kaz::servo_bus

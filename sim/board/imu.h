@@ -1,10 +1,10 @@
 // The board's optional inertial sensors at AN3..AN5: yaw-rate gyro and two-axis accelerometer.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each axis adds white noise to the measured quantity, filters the sum by a first-order low-pass, and applies
-// offset, scale and saturation. The offset is the sum of a constant and a random drift. The constant differs
-// from sensor to sensor. The drift is a first-order Gauss-Markov process. The first value of the drift has
-// the stationary distribution. If the drift is `x` in one tick, the drift `x'` in the next tick is:
+// Each axis adds white noise to the measured quantity, filters the sum with a first-order low-pass, and
+// applies offset, scale and saturation. The offset is the sum of a constant and a random drift. The constant
+// differs from sensor to sensor. The drift is a first-order Gauss-Markov process. The first value of the
+// drift has the stationary distribution. If the drift is `x` in one tick, the drift `x'` in the next tick is:
 //
 //   x' = e x + sigma sqrt(1 - e^2) n,  e = exp(-1 ms / time)
 //

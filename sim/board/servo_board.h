@@ -35,7 +35,7 @@ struct ServoBoardOptions {
 
 // Mean output of a motor driver over an interval.
 struct MeanDrive {
-  // -1..1, mean over the whole interval; positive values drive in the joint's direction.
+  // Mean duty over the whole interval, -1..1. A positive duty drives in the joint's direction.
   double duty = 0;
   bool powered = false;  // true: the drivers were enabled for more than half of the interval
 };
@@ -71,14 +71,14 @@ class ServoBoard {
   Result<void> run_until(States until);
 
   // Sets the angles of the output shafts, rad. A positive shaft angle has the direction of a positive joint
-  // angle, also for a servo that is mounted mirrored. `angles_rad` is indexed by joint number (joints.def).
-  // The values hold until the next call.
+  // angle, even if the servo is mounted mirrored. `angles_rad` is indexed by joint number (joints.def). The
+  // angles stay in effect until the next call.
   void set_joint_angles(std::span<const double, KZ_JOINTS> angles_rad);
-  // Sets the sum of the motors' supply currents. This current makes the supply voltage sag. The value holds
-  // until the next call.
+  // Sets the sum of the motors' supply currents. This current makes the supply voltage sag. The value stays
+  // in effect until the next call.
   void set_supply_current(double amperes) { supply_current_ = amperes; }
-  // Sets the sum of the magnitudes of the motor currents. These currents heat the drivers. The value holds
-  // until the next call.
+  // Sets the sum of the magnitudes of the motor currents. These currents heat the drivers. The value stays in
+  // effect until the next call.
   void set_motor_current(double amperes);
   double driver_celsius() const { return heat_.celsius(); }
   // Sets the motion of the board in the last millisecond. Call once per millisecond if the option `imu` is
@@ -88,7 +88,8 @@ class ServoBoard {
   double supply_volts() const;
   // Sets the open-circuit voltage of the supply, V.
   void set_supply(double volts) { options_.supply_volts = volts; }
-  // Sets a voltage that is added to the open-circuit voltage, V. The value holds until the next call.
+  // Sets a voltage that is added to the open-circuit voltage, V. The value stays in effect until the next
+  // call.
   void set_supply_change(double volts) { supply_change_ = volts; }
   // Sets the fault of a joint's potentiometer. The fault lasts until the next call for this joint.
   void set_pot_fault(int joint, const PotFault& fault) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The maker documents two rules. The register hardware_error_status shows the present errors. An error that
-// is selected in the register `shutdown` switches the torque off until a reboot. We chose the following
-// values, because the maker publishes none:
+// is selected in the register `shutdown` switches the torque off until a reboot. The maker does not publish
+// the following details. We chose them:
 // - A supply voltage outside the limits is an error after 100 ms.
 // - An overload is a torque that exceeds 80 % of the maximum torque for more than 2 s. The maximum torque
 //   depends on the present supply voltage.

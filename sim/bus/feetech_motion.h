@@ -9,8 +9,8 @@
 // magnitude of the duty is limited to 0.97. docs/reference/servo-bus.md names the sources.
 //
 // We chose the scales of the D gain, the I gain and the speed loop, and the shape of the profile near the
-// goal. We also chose that a servo whose torque is switched on holds the present position until a goal is
-// written.
+// goal. We also chose the behavior after the torque is switched on: the servo holds the present position
+// until a goal is written.
 #pragma once
 
 #include <array>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Events on the wire have a resolution of 1 ns. The world and the servos' control loops advance in steps of
-// World::step_s(), by default 1 ms. The simulation is deterministic: two buses that are created from equal
-// files and get equal calls carry equal bytes.
+// World::step_s(), by default 1 ms. The simulation is deterministic: if two buses are created from the same
+// files and receive the same calls, the bytes on both wires are the same.
 #pragma once
 
 #include <cstdint>

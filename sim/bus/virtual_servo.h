@@ -45,7 +45,7 @@ class VirtualServo {
   // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
-  // Writes a register permanently. A user does this to set up the servo for a robot.
+  // Writes a register permanently, as a user does when setting up the servo for a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
   const RegisterFile& registers() const { return registers_; }

@@ -322,7 +322,8 @@ std::string CompareReport::text() const {
                   100.0 * static_cast<double>(translated_instructions) /
                       static_cast<double>(std::max<std::int64_t>(instructions, 1)),
                   static_cast<long long>(instructions));
-    return std::string(line) + executed + "\n  pins equal to the previous output in " +
+    return std::string(line) + executed +
+           "\n  pins matched the native build's previous output in " +
            std::to_string(pins_compared) + " ticks; " + std::to_string(line_bytes) +
            " bytes decoded at TxD0; " + std::to_string(resets) + " resets" +
            "\n  replies: " + listed(coverage.replies, message_name) +

@@ -23,7 +23,8 @@ namespace kaz::sim {
 class H8Mcu;
 
 struct CompareOptions {
-  // COFF file; or S-record file, with its symbols in a `.coff` file of the same name.
+  // Path of a COFF file or of an S-record file. The symbols of an S-record file are read from the file with
+  // the same name and the extension `.coff`.
   std::string image_path;
   std::int64_t ticks = 100000;  // number of ticks to compare
   std::uint64_t seed = 1;
@@ -35,7 +36,7 @@ struct CompareOptions {
   // Polled once per simulated millisecond. If `stop` returns true, the comparison ends, and compare_engines()
   // returns the report up to this time.
   std::function<bool()> stop;
-  std::function<void(H8Mcu&)> prepare_h8;  // for tests: called to put a fault into the chip
+  std::function<void(H8Mcu&)> prepare_h8;  // for tests: injects a fault into the chip
 };
 
 struct CompareDifference {

@@ -31,8 +31,8 @@ struct WireOptions {
   // Polled before each conversation. If `stop` returns true, the comparison ends, and compare_wire() returns
   // the report up to this time.
   std::function<bool()> stop;
-  // For tests: `make_other` makes the board that is compared with the emulated board, and `prepare_h8` plants
-  // a fault in the emulated chip.
+  // For tests: `make_other` makes the board that is compared with the emulated board, and `prepare_h8`
+  // injects a fault into the emulated chip.
   std::function<std::unique_ptr<Mcu>(const NativeOptions&)> make_other =
       [](const NativeOptions& o) { return make_native(o); };
   std::function<void(H8Mcu&)> prepare_h8;
@@ -56,8 +56,8 @@ struct WireReport {
   std::int64_t conversations = 0;
   bool stopped = false;        // WireOptions::stop ended the comparison
   std::int64_t different = 0;  // number of conversations with a difference
-  // Number of conversations that ended early. If a request waits for room in the transmit ring, one board
-  // can answer the request one tick later than the other board. Then the conversation ends early
+  // Number of conversations that ended early. If a request waits for free space in the transmit ring buffer,
+  // one board can answer one tick later than the other board. Then the conversation ends early
   // (wire_differences.h).
   std::int64_t ended_early = 0;
   // Contains one element for each of the first 5 conversations with a difference. The element describes the

@@ -25,9 +25,9 @@ namespace kaz::sim {
 // Time since power was first applied to the board, in periods of the board's crystal (18.432 MHz).
 using States = std::int64_t;
 
-// Levels at the chip's output pins. A pin that is an input, or floats during reset, has the level of the
-// board's pull resistor. These resistors pull the select pins of the multiplexers high and all other pins
-// low.
+// Levels at the chip's output pins. If a pin is an input, or floats during reset, the board's pull resistor
+// determines the level of the pin. These resistors pull the select pins of the multiplexers high and all
+// other pins low.
 struct PinLevels {
   std::array<std::uint16_t, 16> pw{};  // PW0..PW15: number of high counts out of 256
   std::array<std::uint16_t, 2> tmo{};  // TMO0 and TMO1: number of high counts out of 256
@@ -65,7 +65,7 @@ class Mcu {
 
   // Returns the name of the McuKind; test doubles have other names.
   virtual std::string name() const = 0;
-  // Returns the engine with which the emulator executes, such as "translator". The name is empty for the
+  // Returns the name of the engine that the emulator uses, such as "translator". The name is empty for the
   // engine `native`.
   virtual std::string emulator_engine() const { return {}; }
   virtual States now() const = 0;
@@ -115,7 +115,7 @@ class Mcu {
 
   // Queues a byte for RxD0. Times must not decrease and must not be in the past.
   virtual void receive(const SerialByte& byte) = 0;
-  // Removes and returns the bytes whose stop bit has left TxD0.
+  // Removes and returns the bytes whose stop bit has ended at TxD0.
   virtual std::vector<SerialByte> take_transmitted() = 0;
 
   // Sets the listener that is called at the end of each tick's computation. Comparisons of the engines and
@@ -127,8 +127,9 @@ class Mcu {
   virtual void on_watchdog_reset(std::function<void(States)> listener) { (void)listener; }
 
   // Saves or restores the whole state of the chip. Listeners and the analog source are kept. The archive
-  // fails if the engine does not support saving, or if the bytes are not a valid state. After a failure of
-  // restore(), the native board is unchanged, and the h8 board is powered on with undefined flash contents.
+  // reports an error if the engine does not support saving, or if the bytes are not a valid state. After a
+  // failure of restore(), the native board is unchanged, and the h8 board is powered on with undefined flash
+  // contents.
   virtual void save(StateWriter& to) { to.refuse("this engine cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this engine cannot be restored"); }
 

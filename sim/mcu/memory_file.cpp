@@ -14,7 +14,7 @@ namespace kaz::sim {
 Result<void> load_memory(Mcu& mcu, const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) return {};
-  const auto bytes = KAZ_TRY(read_whole_file(path, 1 << 20, "give a memory of a board"));
+  const auto bytes = KAZ_TRY(read_whole_file(path, 1 << 20, "give the memory file of a board"));
   std::array<std::uint8_t, Mcu::memory_size> memory{};
   if (bytes.size() != memory.size())
     return fail(Fault::usage, path + ": the memory of a board must have " +

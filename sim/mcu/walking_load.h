@@ -1,5 +1,5 @@
-// Puts the servo firmware under the load of a walking robot: all control loops run, and the host sends
-// targets and queries at 100 Hz.
+// Runs the servo firmware under the same load as in a walking robot. All control loops run, and the host
+// sends targets and queries at 100 Hz.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Measurements of the tick's duration and of the emulator's speed use this load. A simple model without

@@ -55,10 +55,10 @@ class Renderer {
   // Builds the meshes. Call this function once, before the first picture. Returns Fault::usage if a mesh file
   // cannot be read, or if a visual refers to an unknown texture or frame.
   virtual Result<void> set_scene(const Scene& scene) = 0;
-  // Draws a picture. The same scene, pose and view always give the same bytes. Returns Fault::usage for an
-  // invalid view. The first call starts OpenGL (about 0.3 s) and returns Fault::environment if OpenGL is not
-  // available. Any thread may call render(). Two calls of render() must not run at the same time. Shadow maps
-  // are reused if the pose has not changed. Therefore render the left and the right picture of a pair
+  // Draws a picture. The same scene, pose and view always result in the same bytes. Returns Fault::usage for
+  // an invalid view. The first call starts OpenGL (about 0.3 s) and returns Fault::environment if OpenGL is
+  // not available. Any thread may call render(). Two calls of render() must not run at the same time. Shadow
+  // maps are reused if the pose has not changed. Therefore render the left and the right picture of a pair
   // directly one after the other.
   virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
 };

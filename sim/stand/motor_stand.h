@@ -6,8 +6,8 @@
 // supply voltage.
 //
 // Each motor has one body with one degree of freedom, so the step is solved in closed form. The motor model
-// (joint_motor.h) and the step size are the same as for a robot. This equation gives w1, the speed after the
-// step:
+// (joint_motor.h) and the step size are the same as for a robot. This equation determines w1, the speed after
+// the step:
 //
 //   (I/h + c + k h) w1 = I/h w0 + k e + load + T,   T = (velocity - w1) / softness within its bounds
 //

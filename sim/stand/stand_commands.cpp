@@ -63,7 +63,7 @@ std::string within(double low, double high, const char* unit) {
 const Json kHelp = {
     {"disc", "print the inertia of the disc on each shaft"},
     {"free",
-     "remove lever, weight and hand from every shaft, and restore the first supply voltage"},
+     "remove lever, weight and hand from every shaft, and restore the initial supply voltage"},
     {"supply V", "set the supply's voltage without load, " + within(0, kMaxVolts, "V")},
     {"clamp JOINT on|off",
      "on: clamp the shaft with a lever that presses on the scale; off: remove the lever; both set "

@@ -37,8 +37,8 @@ class Affected(unittest.TestCase):
         self.assertLess(last_own, labels.index("cli"))
 
     def test_files_without_tests_are_refused(self):
-        for file, sentence in (("none.cpp", "none.cpp is no file of this tree"),
-                               ("README.md", "README.md: nothing is compiled from it")):
+        for file, sentence in (("none.cpp", "none.cpp is not a file of this tree"),
+                               ("README.md", "README.md: no target compiles this file")):
             refused = self.run_list(file)
             self.assertEqual(refused.returncode, 2, file)
             self.assertIn(sentence, refused.stderr)

@@ -38,7 +38,7 @@ Result<BusAddress> parse_one_bus(const std::string& text,
                                  std::optional<servo_bus::Protocol> protocol, long baud);
 // Returns true for feetech:PORT and dynamixel:PORT.
 bool names_servo_bus(const std::string& robot);
-// Parses all --set NAME=VALUE. Rejects a repeated name.
+// Parses the values NAME=VALUE of all options --set. Rejects a repeated name.
 Result<std::map<std::string, std::string>> parse_settings(const std::vector<std::string>& texts);
 // Parses an interval of two numbers, 0 <= min <= max. Returns `otherwise` if `given` is empty.
 Result<trials::Interval> parse_interval(const std::string& option, const std::vector<double>& given,

@@ -14,8 +14,8 @@
 
 namespace kaz::tools {
 
-// The child runs in its own process group: Ctrl-C in the terminal sends no signal to the child. Its standard
-// output and standard error go to a log file.
+// The child runs in its own process group: Ctrl-C in the terminal sends no signal to the child. The child's
+// standard output and standard error go to a log file.
 class Child {
  public:
   // `of_parent`: the destructor of Child kills the child. The child is also killed if the parent process ends

@@ -30,8 +30,8 @@ void catch_signals();
 // named_verb().
 void name_verb(const std::string& verb);
 std::string named_verb();  // returns "kaz" until name_verb() is called
-// Sets the sentence that an immediate exit prints: which state remains changed, and how to restore that
-// state. An empty sentence is not printed.
+// Sets the sentence that an immediate exit prints. The sentence states which changes remain, and how to undo
+// these changes. An empty sentence is not printed.
 void leaves_behind(const std::string& sentence);
 // Sets the function that an immediate exit calls first; null: no function. The function runs in a signal
 // handler, so it may call only async-signal-safe functions. Only one thread may call does_at_last().
@@ -41,7 +41,7 @@ void does_at_last(void (*last)() noexcept);
 // forget_file(), or -1 if the table is full or the path is too long. forget_file() accepts -1. Only one
 // thread may call these two functions.
 int remove_empty_file_at_last(const std::string& path);
-// From now on, an immediate exit does not remove the file.
+// After this call, an immediate exit no longer removes the file.
 void forget_file(int number);
 
 // Return the number of the received signal, and its name, for example "SIGINT". If no signal was received,

@@ -13,8 +13,8 @@
 namespace kaz::tools {
 
 // Prints progress to standard error, so that standard output contains only results. If standard error is a
-// terminal, draws a progress bar. Otherwise prints a line every 10 %, and also if no line was printed for
-// `longest_silence`. Prints nothing if `quiet`.
+// terminal, draws a progress bar. Otherwise prints a line every 10 %. Also prints a line if no line was
+// printed for `longest_silence`. Prints nothing if `quiet`.
 class Progress {
  public:
   Progress(std::string label, bool quiet,
@@ -26,7 +26,7 @@ class Progress {
   // `share`: completed fraction of the work, 0 to 1. `note`: a few words on the current work.
   void update(double share, const std::string& note);
   // Like update(), but for work of unknown length: shows the time `at_s` in seconds and the phase. If
-  // standard error is no terminal, prints a line whenever `at_s` has increased by 10 s.
+  // standard error is not a terminal, prints a line whenever `at_s` has increased by 10 s.
   void show(double at_s, const std::string& phase);
   // Prints the start of a new phase on a separate line.
   void announce(double at_s, const std::string& phase);
@@ -47,14 +47,14 @@ class Progress {
 };
 
 // Returns a row of a list: `columns`, then `text`, then a line break. Text beyond column `width` is wrapped
-// at spaces. Each further line of `text` starts below the first line of `text`. If fewer than 30 characters
-// remain beside `columns`, the text starts on a new line. A `width` of 0 means no limit.
+// at spaces. The further lines of `text` are aligned with the first line. If fewer than 30 characters remain
+// beside `columns`, the text starts on a new line. A `width` of 0 means no limit.
 std::string list_row(const std::string& columns, const std::string& text, std::size_t width);
-// Returns the width of the terminal at standard output, in columns. Returns 0 if standard output is no
-// terminal; a list then has one line per row.
+// Returns the width of the terminal at standard output, in columns. Returns 0 if standard output is not a
+// terminal. A list then has one line per row.
 std::size_t list_width();
 
-// Wraps lines wider than `width` at spaces. Continued lines are indented by 2 more columns. A `width` of 0
+// Wraps lines wider than `width` at spaces. Continuation lines are indented by 2 more columns. A `width` of 0
 // means no limit.
 std::string broken_lines(const std::string& text, std::size_t width);
 // Like printf(), but only for complete lines, which are wrapped at the terminal's width.

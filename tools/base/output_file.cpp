@@ -294,8 +294,8 @@ Result<void> OutputFolder::State::claim() {
     }
     if (is_written_by(kind, without_part(name)))
       return refused("--out", path,
-                     "its file '" + name + "' would be replaced, and no " + kResultsMark +
-                         " shows that kaz wrote it");
+                     "the file '" + name + "' would be replaced, but without " + kResultsMark +
+                         ", kaz may not have written this file");
   }
   marked = true;
   if (::ftruncate(mark.get(), 0) == 0 && write_all(mark.get(), ours)) return {};
@@ -311,7 +311,7 @@ Result<int> OutputFolder::State::remove(bool incomplete) const {
       ++removed;
     else if (errno != ENOENT)
       return refused("--out", path,
-                     "its earlier '" + name + "' cannot be removed: " + std::strerror(errno));
+                     "the earlier '" + name + "' cannot be removed: " + std::strerror(errno));
   }
   return removed;
 }

@@ -16,15 +16,15 @@
 
 namespace kaz::tools {
 
-// Appends the files that this process has saved to the message of a full disk. Returns other errors
-// unchanged.
+// If the disk is full, appends a list of the files that this process has saved to the error message. Returns
+// other errors unchanged.
 Error with_saved_files(Error error);
 
 // Sets the arguments of the command line. OutputFile::open() then refuses a file that two of the arguments
 // name, because one of them may be an input.
 void set_command_words(std::vector<std::string> words);
 
-// Action for a file that exists and is not empty. Use `keep` if the lost content could not be made again.
+// Action for a file that exists and is not empty. Use `keep` if the old content could not be recreated.
 enum class Existing { replace, keep };
 
 // One file at a path given by the user. Writes to the locked file PATH.part and renames that file to PATH at
@@ -33,8 +33,8 @@ enum class Existing { replace, keep };
 class OutputFile {
  public:
   // `option` names the file in errors: "--json". Errors:
-  // - usage: the file cannot be created, must be kept, is named by another argument of the command line, or
-  //   would be in a folder of results (OutputFolder).
+  // - usage: the file cannot be created; the existing file must be kept; another argument of the command line
+  //   names the file; or the file would be in a folder of results (OutputFolder).
   // - environment: another process writes the file, or the disk is full.
   static Result<OutputFile> open(const std::string& path, const std::string& option,
                                  Existing existing = Existing::replace);
@@ -47,8 +47,8 @@ class OutputFile {
   const std::string& path() const { return path_; }
   // Path to write to before commit().
   const std::string& part() const { return part_; }
-  // Checks that the disk has room for `bytes` more bytes, by writing and removing them; call this function
-  // before long work. Succeeds for devices and pipes.
+  // Checks that the disk has room for `bytes` more bytes, by writing and removing these bytes. Call this
+  // function before long work. Succeeds for devices and pipes.
   Result<void> check_room(std::size_t bytes);
   // Writes the complete content and calls commit().
   Result<void> write(std::string_view bytes);
@@ -72,7 +72,7 @@ class OutputFile {
 // folder's lock.
 inline constexpr const char* kResultsMark = ".kaz-results";
 
-// A kind of run, for example "run", and patterns (fnmatch) of the names of all files that this kind writes. A
+// Kind of run, for example "run", and name patterns (fnmatch) of all files that runs of this kind write. A
 // pattern must not match files of users: the next run removes the files that match.
 struct OutputKind {
   std::string name;
@@ -86,8 +86,9 @@ class OutputFolder {
   // Creates the folder if necessary, locks it, and tests writing. Changes no existing results, but removes
   // temporary files that a killed run has left. If there are no results, the destructor of the last copy
   // removes the mark and the folders that open() created. Errors:
-  // - usage: the folder cannot be written to, or contains results of another kind of run. Or the folder has
-  //   no mark and contains a file that matches `kind.files`.
+  // - usage: the folder cannot be written to.
+  // - usage: the folder contains results of another kind of run.
+  // - usage: the folder has no mark, but contains a file that matches `kind.files`.
   // - environment: another process writes to the folder, or the disk is full.
   static Result<OutputFolder> open(const std::string& path, const OutputKind& kind);
   // Removes the results of an earlier run, and prints a message about the removal on standard error. Call

@@ -40,7 +40,7 @@ Result<std::string> data_file(const std::string& name) {
   return fail(Fault::environment,
               "'" + path.string() +
                   "' is missing: the installation is incomplete; set KAZ_DATA to "
-                  "the folder that holds 'robot' and 'worlds', or install again");
+                  "the folder that contains 'robot' and 'worlds', or install again");
 }
 
 Result<std::string> world_file(const std::string& name) {

@@ -26,8 +26,8 @@ Result<std::string> view_page();
 // missing installed image fails with Fault::environment, and the message lists the packages to install.
 Result<std::string> firmware_image(const std::string& given);
 
-// Returns the path of recording.mcap in a folder that `kaz run` has written. If `path` is no folder, returns
-// `path`.
+// Returns the path of recording.mcap in a folder that `kaz run` has written. If `path` is not a folder,
+// returns `path`.
 std::string recording_of(const std::string& path);
 
 }  // namespace kaz::tools

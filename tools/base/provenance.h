@@ -1,8 +1,8 @@
 // Date, version, machine and command line of this program run, for reports.
 // SPDX-License-Identifier: Apache-2.0
 //
-// These values are never written to a recording: the same seed must give the same bytes at any time on any
-// machine.
+// These values are never written to a recording, because the recording for a seed must be the same on any
+// machine at any time.
 #pragma once
 
 #include <string>

@@ -88,16 +88,17 @@ Result<void> free_stand(const BenchOptions& arguments, const std::string& verb, 
                         host::Interrupt& interrupt) {
   if (arguments.target.port.empty() || target.stand() == nullptr) return {};
   if (arguments.target.stand == "manual") {
-    std::fprintf(stderr, "%s: take lever, weight and hand off the shaft\n", verb.c_str());
+    std::fprintf(stderr, "%s: remove the lever, the weight and your hand from the shaft\n",
+                 verb.c_str());
     return {};
   }
   const host::CleanUp clean_up(interrupt);
   const auto back = target.stand()->put_back(arguments.supply_volts);
   if (back) return {};
-  return fail(
-      Fault::environment,
-      "the stand " + arguments.target.stand + " may still hold a shaft (" + back.error().message +
-          "): send `stand free` to its control socket, or run `kaz bench` with this stand again");
+  return fail(Fault::environment, "the stand " + arguments.target.stand +
+                                      " may still hold a shaft (" + back.error().message +
+                                      "): send `stand free` to the stand's control socket, or run "
+                                      "`kaz bench` with this stand again");
 }
 
 Result<hil::Limits> limits_of(const std::string& path) {
@@ -162,9 +163,10 @@ Result<BenchOptions> with_filter(BenchOptions arguments) {
   }
   arguments.motor = chosen(arguments, hil::BenchGroup::motor);
   if (!arguments.motor && !arguments.of_motors.empty() && (arguments.link || arguments.tick))
-    return fail(Fault::usage,
-                arguments.of_motors + " is only valid with motor measurements, and --filter " +
-                    arguments.filter + " selects none; leave out " + arguments.of_motors);
+    return fail(Fault::usage, arguments.of_motors +
+                                  " is only valid with motor measurements, but --filter " +
+                                  arguments.filter + " selects no motor measurement; leave out " +
+                                  arguments.of_motors);
   if (!arguments.link && !arguments.tick) KAZ_TRY(hil::check_motor_filter(arguments.filter));
   return arguments;
 }
@@ -398,7 +400,7 @@ Result<Outcome> run_bench(const BenchOptions& given) {
           verb.c_str());
     if (report.doubts(Doubt::line))
       std::fprintf(stderr,
-                   "%s: the line was too disturbed to judge all measurements: check cable and "
+                   "%s: the serial line was too noisy to judge all measurements: check cable and "
                    "adapter with `kaz bench link`, then run the bench again\n",
                    verb.c_str());
     if (report.doubts(Doubt::machine))

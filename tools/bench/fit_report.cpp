@@ -100,10 +100,12 @@ std::string fit_html(const MotorFit& fit, const std::string& report, const hil::
                         one.measured ? change(one.before, one.after) : "not measured, unchanged"});
   }
   text +=
-      "</table>\n<h2>Gap between motor and model</h2>\n<p>The model runs the same bench. For a "
-      "curve, the gap is the root mean square of the "
-      "difference.</p>\n<table><tr><th>measurement</th><th>unit</th>"
-      "<th>measured</th><th>model before</th><th>model after</th></tr>\n";
+      "</table>\n"
+      "<h2>Gap between motor and model</h2>\n"
+      "<p>The bench measures the model in the same way as the motor. For a curve, the gap is the "
+      "root mean square of the difference between measurement and model.</p>\n"
+      "<table><tr><th>measurement</th><th>unit</th><th>measured</th><th>model before</th><th>model "
+      "after</th></tr>\n";
   for (const Gap& one : fit.gaps) {
     text += hil::table_row({one.name, one.unit, short_number(one.measured),
                             short_number(one.before), short_number(one.after)});

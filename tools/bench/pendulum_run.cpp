@@ -72,7 +72,7 @@ Result<bool> record_pendulum_logs(PendulumArguments arguments) {
   recorder.interrupt = &interrupt;
   recorder.progress = [&](double share, const std::string& what) { progress.update(share, what); };
   leaves_behind("the servo on " + port.name() +
-                " may still hold the weight: switch off its supply");
+                " may still hold the weight: switch off the servo's supply");
   const auto recorded = hil::record_pendulum(*link, clock, recorder);
   leaves_behind("");
   progress.done();
@@ -90,9 +90,11 @@ Result<bool> record_pendulum_logs(PendulumArguments arguments) {
   for (const hil::PendulumLog& one : record.logs)
     std::printf("%-24s %8.2f %8zu %8d\n", one.name.c_str(), one.log.gain_per_rad,
                 one.log.samples.size(), one.missing);
-  std::printf("%s: up to %.0f degC and %.2f A, down to %.1f V; the logs are in %s\n",
-              record.servo.c_str(), record.celsius, record.largest_amps, record.volts,
-              folder.folder().c_str());
+  std::printf(
+      "%s: highest temperature %.0f degC, largest current %.2f A, lowest voltage %.1f V; the logs "
+      "are in %s\n",
+      record.servo.c_str(), record.celsius, record.largest_amps, record.volts,
+      folder.folder().c_str());
   return true;
 }
 

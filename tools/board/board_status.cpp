@@ -83,8 +83,9 @@ Json as_json(const kz_identify_reply& board, const host::Health& health, const h
 void print(const Json& now, const std::string& fault) {
   std::printf("motors %s", now["motors"].get<std::string>().c_str());
   if (!fault.empty()) {
-    std::printf(", since %.1f s of %.1f s: %s\n", now["shutdown_at_s"].get<double>(),
-                now["since_reset_s"].get<double>(), fault.c_str());
+    std::printf("; shutdown %.1f s after the last reset, which was %.1f s ago: %s\n",
+                now["shutdown_at_s"].get<double>(), now["since_reset_s"].get<double>(),
+                fault.c_str());
   } else {
     std::printf(", no shutdown is latched; last reset %.1f s ago, by %s\n",
                 now["since_reset_s"].get<double>(), now["last_reset"].get<std::string>().c_str());

@@ -358,9 +358,10 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
                 report->count(hil::Verdict::left_out), report->count(hil::Verdict::undecided));
   }
   if (report->interrupted)
-    return fail(Fault::interrupted, "interrupted after " + std::to_string(report->results.size()) +
-                                        " of " + counted(report->chosen(), "case") +
-                                        (reports.any() ? "; the reports cover these" : ""));
+    return fail(Fault::interrupted,
+                "interrupted after " + std::to_string(report->results.size()) + " of " +
+                    counted(report->chosen(), "case") +
+                    (reports.any() ? "; the reports cover the completed cases" : ""));
   return outcome_of(*report);
 }
 

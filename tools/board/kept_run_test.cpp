@@ -332,7 +332,7 @@ TEST_F(KeptRuns, MotorsThatAreStillOnAreNotCalledOff) {
   EXPECT_NE(end_of_run(false).find("motors off ("), std::string::npos);
   const std::string stuck = end_of_run(true);
   EXPECT_EQ(stuck.find("motors off ("), std::string::npos) << stuck;
-  EXPECT_NE(stuck.find("not put back: motors (still on): its motors may be on"), std::string::npos)
+  EXPECT_NE(stuck.find("not restored: motors (still on): its motors may be on"), std::string::npos)
       << stuck;
   EXPECT_EQ(end_of_run(true, [] { return "pan (id 1) still has torque: cut the power"; }),
             "test-port: pan (id 1) still has torque: cut the power");
@@ -424,7 +424,7 @@ TEST_F(KeptRuns, EarlierNotesAreNamed) {
   }
   const auto begun = KeptRun::begin(port, port, interrupt, options(1));
   ASSERT_FALSE(begun);
-  EXPECT_NE(begun.error().message.find("one does at address 9"), std::string::npos)
+  EXPECT_NE(begun.error().message.find("a board answers at address 9"), std::string::npos)
       << begun.error().message;
   EXPECT_NE(begun.error().message.find("--from " + path), std::string::npos)
       << begun.error().message;

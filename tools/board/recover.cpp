@@ -42,10 +42,10 @@ Result<std::uint8_t> choose(std::vector<std::uint8_t> found, const std::string& 
     return fail(Fault::environment,
                 "no board answers at any of the 14 addresses on " + port +
                     ": check that the board is powered, the cable is plugged in, and no other "
-                    "program has the port open; after an interrupted update, the board waits in "
+                    "program has the port open; after an interrupted update, the board may wait in "
                     "its loader (check with `kaz flash info " +
                     host::robot_option(port) +
-                    "`) or in boot mode, where the board needs `kaz flash write` with --reset");
+                    "`) or in boot mode (give `kaz flash write` with --reset)");
   if (options.found_at) {
     if (std::ranges::find(found, *options.found_at) != found.end()) return *options.found_at;
     return fail(Fault::usage,
@@ -109,14 +109,13 @@ Result<std::optional<KeptFile>> read_notes(const RecoverOptions& options, const 
   if (options.from.empty()) return std::nullopt;
   KeptFile kept = KAZ_TRY(read_kept(options.from));
   if (notes_in_use(kept))
-    return fail(
-        Fault::usage,
-        options.from + ": " + kept.verb + " on " + kept.port +
-            " is still running and will put its board back: end that program, or leave --from out");
+    return fail(Fault::usage, options.from + ": " + kept.verb + " on " + kept.port +
+                                  " is still running and will restore its board at the end: end "
+                                  "that program, or leave --from out");
   if (!same_port(kept, port) && !options.port_changed)
     return fail(
         Fault::usage,
-        options.from + ": notes of the board on " + kept.port + ", not on " + port +
+        options.from + ": these are notes of the board on " + kept.port + ", not on " + port +
             ": another board would get this address and calibration; if the same board is on " +
             port + " now, add --port-changed");
   return kept;

@@ -1,4 +1,4 @@
-// `kaz recover`: restores a board after an interrupted run, whichever address the board has now.
+// `kaz recover`: restores a board after an interrupted run, even if the board's address has changed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,15 +15,15 @@ namespace kaz::tools {
 
 struct RecoverOptions {
   std::string port = {};  // port of the board, as for parse_port()
-  // Address to set; empty: the one in the notes, or 1 without notes.
+  // Address to set; empty: the address in the notes, or 1 without notes.
   std::optional<std::uint8_t> address = {};
   // Present address of the board, if several boards reply.
   std::optional<std::uint8_t> found_at = {};
-  // Setting to write; empty: the one in the notes, or unchanged without notes.
+  // Setting to write; empty: the setting in the notes, or unchanged without notes.
   std::optional<bool> shared_line = {};
   // File with the notes of an interrupted run; empty: no notes.
   std::string from = {};
-  // The notes describe this board, although the port in the notes is another one.
+  // True: the notes are accepted although they name another port, because the board is the same.
   bool port_changed = false;
   bool json = false;
 };
@@ -44,8 +44,8 @@ Result<Recovered> recover_board(host::Link& link, host::Clock& clock, const Reco
                                 const std::optional<KeptFile>& kept,
                                 Time patience = std::chrono::seconds(6));
 
-// Runs `kaz recover`, and prints what it has found and done. Returns false if the board still has a fault, or
-// if a setting could not be restored.
+// Runs `kaz recover`, and prints the found board and the completed steps. Returns false if the board still
+// has a fault, or if a setting could not be restored.
 Result<bool> recover(const RecoverOptions& options);
 
 }  // namespace kaz::tools

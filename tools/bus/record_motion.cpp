@@ -294,7 +294,7 @@ Result<Outcome> print_bus_status(const BusStatusOptions& options) {
                 one.value("amps", NAN), one.value("volts", NAN), one.value("celsius", NAN),
                 one["errors"].get<std::string>().c_str());
   }
-  std::printf("%s, %d without an answer, %d damaged\n",
+  std::printf("%s, %d without an answer, %d damaged answers\n",
               counted(all["requests"].get<int>(), "request").c_str(), all["missing"].get<int>(),
               all["damaged"].get<int>());
   return Outcome(good);

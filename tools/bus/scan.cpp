@@ -209,8 +209,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
   auto remarks = of_bus(all);
   for (const Found& one : all) undecided.erase(one.servo.id);
   if (!undecided.empty())
-    remarks.push_back({false, "undecided whether a servo has id " + ids_text(undecided) + ": " +
-                                  excuse + "; " + kScanAgain});
+    remarks.push_back({false, "it is undecided whether a servo has id " + ids_text(undecided) +
+                                  ": " + excuse + "; " + kScanAgain});
   const bool late = !undecided.empty() ||
                     std::ranges::any_of(all, [](const Found& one) { return one.servo.late > 0; });
   bool good = !all.empty();

@@ -98,7 +98,8 @@ void print_plan(bool stops, bool floor) {
                         calibration::stop_angle(press.joint, press.stop) / kDegree);
           presses += one;
         }
-        if (!presses.empty()) print_lines("  against the stops, degrees: %s\n", presses.c_str());
+        if (!presses.empty())
+          print_lines("  joints pressed against their stops, degrees: %s\n", presses.c_str());
       }
     }
   }

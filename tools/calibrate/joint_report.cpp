@@ -81,8 +81,8 @@ std::string fault_of(const JointReport& report, int joint) {
     const double away = report.solution->angle(joint, gauge.code) - gauge.angle_rad;
     if (std::abs(away) > kMaxGaugeResidual * report.gauge_error_rad)
       return "gauge and potentiometer differ by " + format("%.1f", std::abs(away) / kDegree) +
-             " deg at " + format("%.1f", gauge.angle_rad / kDegree) +
-             " deg by the gauge: check the reading and its sign";
+             " deg at the gauge angle " + format("%.1f", gauge.angle_rad / kDegree) +
+             " deg: check the reading and its sign";
   }
   if (contradicts(report, joint))
     return "floor readings contradict each other" +
@@ -243,7 +243,7 @@ std::string joint_report_svg(const JointReport& report) {
     std::snprintf(line, sizeof line,
                   "<rect x=\"%.0f\" y=\"%.0f\" width=\"%.1f\" height=\"12\" fill=\"#a9c4de\"/>\n"
                   "<rect x=\"%.0f\" y=\"%.0f\" width=\"%.1f\" height=\"12\" fill=\"#33638f\"/>\n"
-                  "<text x=\"%.0f\" y=\"%.0f\" fill=\"#444444\">moves %+.2f&#176;</text>\n",
+                  "<text x=\"%.0f\" y=\"%.0f\" fill=\"#444444\">shift %+.2f&#176;</text>\n",
                   kLeft, y + 4, kPerDegree * worst, kLeft, y + 4, kPerDegree * usual,
                   kLeft + kPerDegree + 40, y + 14, e.shift_rad / kDegree);
     svg += line;

@@ -25,7 +25,7 @@ struct GaugeReading {
 };
 
 struct JointReport {
-  // Port: "sim" or for example "/dev/ttyUSB0"; board: identification reported by the board.
+  // `port`: "sim", or a path such as "/dev/ttyUSB0". `board`: identification that the board reported.
   std::string port, board;
   bool stops = false, floor = false, gauge = false;  // whether each method was requested
   std::uint32_t joints = 0;                          // mask of the joints to calibrate
@@ -50,8 +50,8 @@ std::vector<int> faulty(const JointReport& report);
 
 std::string joint_table_text(const JointReport& report);
 nlohmann::ordered_json joint_report_json(const JointReport& report);
-// Returns a picture with one bar per joint, which shows the joint's expected error over its range, and its
-// largest error.
+// Returns a picture with one row per joint. The bars show the 95th percentile of the joint's expected error
+// over its range, and the largest expected error.
 std::string joint_report_svg(const JointReport& report);
 
 }  // namespace kaz::tools

@@ -17,8 +17,8 @@ std::string typed_form(const CLI::Option& option);
 std::string option_text(const CLI::Option& option);
 // Parts of a verb's help text that follow the options.
 struct Footer {
-  std::string notes;     // one paragraph per line; the last one has the exit statuses of every verb
-  std::string examples;  // the lines after "Examples:", as they are
+  std::string notes;     // one paragraph per line; last paragraph: exit statuses of every verb
+  std::string examples;  // lines after "Examples:", unchanged
 };
 Footer footer_of(const CLI::App& app);
 

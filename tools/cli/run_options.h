@@ -23,7 +23,7 @@ struct RunArguments {
   WatchArguments watch;
 };
 
-// Adds the options whose descriptions are the same for both verbs. `arguments` must outlive `verb`.
+// Adds the options that have the same description in both verbs. `arguments` must outlive `verb`.
 void add_run_options(CLI::App& verb, RunArguments& arguments);
 CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text);
 // Adds --out DIR. `more`: text at the end of the option's description.

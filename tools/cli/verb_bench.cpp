@@ -100,8 +100,8 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
       "--allow-motion", arguments->allow_motion,
       arguments->motor && arguments->link
           ? "while Kaz measures the link or the tick, switch the joints on and hold the joints "
-            "still, for a realistic load. For motors of a board at a port without a stand, this "
-            "option permits that each joint moves at full speed through its range"
+            "still, for a realistic load. If a board at a port has no stand, this option also lets "
+            "the motor measurements move each joint at full speed through its range"
       : arguments->motor
           ? "at a port without a stand: let the joint move at full speed through its range"
           : "switch the joints on and hold the joints still, for a realistic load. Without "

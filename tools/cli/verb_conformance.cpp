@@ -67,7 +67,7 @@ void add_conformance(CLI::App& program, Action& action) {
       ->type_name("BAUD");
   verb->add_flag("--allow-eeprom", arguments->allow_eeprom,
                  "on a bus: also run the cases that write the EEPROM. Writing wears the EEPROM; "
-                 "each value is put back");
+                 "each value is restored");
   verb->add_flag(
       "--alone", arguments->alone,
       "on a bus with only this servo: also run the cases that send requests to all servos");
@@ -115,8 +115,8 @@ void add_conformance(CLI::App& program, Action& action) {
   verb->footer(
       "A virtual board passes all cases. At a port, Kaz leaves out the cases that disturb the "
       "supply, the sensors or the serial line. After the last case or after Ctrl-C, Kaz restores "
-      "the settings of a board at a port. If the run was killed, kaz recover puts the settings "
-      "back. If a case fails while this machine is too slow, the case runs again, up to three "
+      "the settings of a board at a port. If the run was killed, kaz recover restores the "
+      "settings. If a case fails while this machine is too slow, the case runs again, up to three "
       "times. If the machine is too slow each time, the case is undecided. All cases take a few "
       "seconds on a virtual board, one or two minutes at a port, and about four minutes with "
       "--allow-flash.\n"

@@ -161,8 +161,9 @@ Result<void> check_nothing_given(const CLI::App& evaluate) {
   for (const CLI::Option* option : evaluate.get_options()) {
     if (option->count() > 0)
       return fail(Fault::usage, option->get_name() +
-                                    " is not valid before merge, which runs no episode; leave it "
-                                    "out, or give --out and --json after merge");
+                                    " is not valid before merge, because merge runs no episode; "
+                                    "give --out and --json after merge, and leave out other "
+                                    "options");
   }
   return {};
 }

@@ -25,8 +25,9 @@ void add_fuzz(CLI::App& program, Action& action) {
           ->capture_default_str()
           ->type_name("SECONDS");
   auto* cases =
-      verb->add_option("--cases", arguments->cases,
-                       "number of cases to run; unlike --seconds, this makes the result repeatable")
+      verb->add_option(
+              "--cases", arguments->cases,
+              "number of cases to run; unlike --seconds, this option makes the result repeatable")
           ->transform(whole_number_above_zero())
           ->excludes(seconds)
           ->type_name("N");
@@ -45,10 +46,10 @@ void add_fuzz(CLI::App& program, Action& action) {
   auto* out = verb->add_option("--out", arguments->out, "file for a failing case")
                   ->capture_default_str()
                   ->type_name("FILE");
-  verb->add_option("--replay", arguments->replay,
-                   "run only the case in this file, and list the steps of the case; every file is "
-                   "a valid case, because every sequence of bytes stands for a sequence of "
-                   "requests")
+  verb->add_option(
+          "--replay", arguments->replay,
+          "run only the case in this file, and list the steps of the case; every file is "
+          "a valid case, because every sequence of bytes decodes to a sequence of requests")
       ->type_name("FILE")
       ->excludes(seconds)
       ->excludes(cases)

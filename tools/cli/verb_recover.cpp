@@ -47,7 +47,7 @@ void add_recover(CLI::App& program, Action& action) {
       "clears latched faults. Then Kaz sets the board's address. With --from, the calibration in "
       "the notes replaces the calibration in the board's flash. Without --from, the calibration in "
       "the flash does not change.\n"
-      "Exit status: 0 recovered, 1 a setting was not put back or a fault remains, 2 wrong usage, 3 "
+      "Exit status: 0 recovered, 1 a setting was not restored or a fault remains, 2 wrong usage, 3 "
       "port error.\n"
       "Examples:\n"
       "  kaz recover --robot serial:/dev/ttyUSB0\n"

@@ -48,7 +48,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   if (learned->too_common()) {
     char text[200];
     std::snprintf(text, sizeof text,
-                  "%.0f %% of the rest of the picture also has this color. Unless these pixels "
+                  "%.0f %% of the rest of the picture also has this color. If these pixels do not "
                   "show the object, mark only the object or take a picture with another background",
                   100 * learned->outside);
     warning = text;

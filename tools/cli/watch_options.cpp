@@ -68,8 +68,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
                 "let programs read all data, such as pictures and messages, without the token. Web "
-                "pages of other servers still need the token, and so does every program that "
-                "controls the run")
+                "pages of other servers and programs that control the run still need the token")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,

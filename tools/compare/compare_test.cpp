@@ -147,7 +147,8 @@ TEST(Compare, ALagThatTheMotionDoesNotDetermineIsLeftOut) {
   const Comparison slow = compare(ramped(5, 0.1, 1), ramped(5, -0.1, 2));
   const Measure& lag = find(slow, "l_knee.lag");
   EXPECT_FALSE(lag.comparable());
-  EXPECT_NE(lag.left_out.find("half of the gear's play can shift the lag by "), std::string::npos)
+  EXPECT_NE(lag.left_out.find("half of the gear's backlash can shift the lag by "),
+            std::string::npos)
       << lag.left_out;
   EXPECT_TRUE(find(slow, "l_knee.offset").comparable());
   EXPECT_EQ(differing(slow), "");

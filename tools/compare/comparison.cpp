@@ -274,7 +274,7 @@ class Measurer {
       lag.a = lag.b = {};
       lag.left_out =
           "the joint moved too slowly or too little to determine the lag: "
-          "half of the gear's play can shift the lag by " +
+          "half of the gear's backlash can shift the lag by " +
           (in_play_s < 1 ? std::to_string(std::lround(1e3 * in_play_s)) + " ms"
                          : "a second or more");
     }

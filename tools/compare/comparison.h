@@ -43,7 +43,8 @@ struct Measure {
 
 struct Comparison {
   std::vector<Measure> measures;
-  // Reasons why the runs are not comparable, or conditions that are equal in both.
+  // Reasons why the runs are only partly comparable: differences of behavior, options, start posture or
+  // targets; an early end; shutdowns.
   std::vector<std::string> notes;
   // Time until which the host sent the same targets to both robots. After this time, different angles may be
   // caused by different targets.

@@ -15,19 +15,19 @@
 
 namespace kaz::tools {
 
-// Times are in s since the first record of the behavior, or since the start of a recording without such
-// records.
+// Times are in s since the first record of the behavior. If there are no such records, times count from the
+// start of the recording.
 struct RunTrace {
   std::string name;      // the `name` passed to of(); load() passes the path of the file
   std::string behavior;  // name of the behavior; empty if unknown
   std::string settings;  // settings of the behavior as JSON
   std::string robot;     // "virtual" or the port
   double duration_s = 0;
-  std::string early_end;  // reason why the recording ends before the run; empty if it is complete
+  std::string early_end;  // reason why the recording ends before the run; empty if the recording is complete
 
   struct Posture {
-    // Time at which the angles were measured: the time of the board's tick, aligned to the recording by the
-    // replies that arrived fastest.
+    // Time of the board's tick in which the angles were measured. The fastest replies align the board's clock
+    // with the recording's clock.
     double time_s = 0;
     std::array<double, KZ_JOINTS> angle_rad{};
     double supply_v = 0;

@@ -12,7 +12,7 @@
 namespace kaz::tools {
 
 struct VideoFormats {
-  // False: the device is a camera's node that delivers no pictures.
+  // False: the device belongs to a camera but delivers no pictures.
   bool captures = false;
   std::vector<std::string> formats;  // names of pixel formats from the driver, for example "YUYV"
   // Reason why the device could not be opened; empty if it was opened.

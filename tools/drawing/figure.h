@@ -62,7 +62,8 @@ Image enlarge(const Image& image, int factor);
 // positive.
 Image resize(const Image& image, int width, int height);
 
-// framed() adds a white frame with a width of kFrame_px, so that a picture inside another picture stands out.
+// framed() adds a white frame with a width of kFrame_px. The frame makes a picture visible as an inset of
+// another picture.
 inline constexpr int kFrame_px = 2;
 Image framed(const Image& image);
 

@@ -10,8 +10,8 @@
 
 namespace kaz::tools {
 
-// Covers only episodes in drawn worlds, whose scenario has the member `world`. Returns an empty object if
-// there are no such episodes. Members of the object:
+// Covers only episodes in randomly drawn worlds. The scenario of such an episode has the member `world`.
+// Returns an empty object if there are no such episodes. Members of the object:
 // - `world`, `density` (sparse, medium, dense) and `floor` contain one object per name that occurs in the
 //   episodes, for example `dense`.
 // - Each of these objects has `episodes`, `successes`, `success_rate`, `interval` (Wilson, 95 %) and
@@ -20,8 +20,8 @@ namespace kaz::tools {
 //   episodes. `off_goal_m` is the true distance from the goal. `over_least` is the walking time divided by
 //   the shortest possible walking time.
 // - `moving` is present if the worlds have sliding obstacles. `in_the_way` is the number of episodes in which
-//   an obstacle slid into the robot's way. `noticed` counts those in which the robot noticed the obstacle,
-//   and `touched` those in which the robot touched one.
+//   an obstacle slid into the robot's way. In `noticed` of these episodes, the robot noticed the obstacle. In
+//   `touched` of these episodes, the robot touched an obstacle.
 // - `map` (map_truth.h) has the shares `outline_found`, `outline_found_in_view` and `floor_wrong` over all
 //   maps.
 nlohmann::ordered_json breakdown_json(const Episodes& episodes);

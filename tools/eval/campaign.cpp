@@ -73,7 +73,7 @@ Result<Episodes> read_episodes(const std::string& folder) {
     if (at->path().filename() != fs::path(episode_file(number)).filename())
       return fail(Fault::usage, at->path().string() + ": contains episode " +
                                     std::to_string(number) +
-                                    ", which does not match its name; remove it");
+                                    ", which does not match the file's name; remove the file");
     all[number] = std::move(one);
   }
   return all;

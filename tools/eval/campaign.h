@@ -48,8 +48,8 @@ struct CampaignOptions {
 // the numbers of the episodes that were run.
 nlohmann::ordered_json campaign_json(const CampaignOptions& options);
 
-// Runs the episodes of this part that the results folder does not contain yet. Then writes the summary and
-// prints a table. Returns false if no episode succeeded. Errors:
+// Runs those episodes of this part that are not in the results folder yet. Then writes the summary and prints
+// a table. Returns false if no episode succeeded. Errors:
 // - The folder belongs to another campaign, or contains episodes with larger numbers than requested.
 // - The behavior is unknown.
 // - The run was interrupted. Completed episodes are kept.

@@ -35,15 +35,15 @@ void add_pushes(nlohmann::ordered_json& episode, const Scenario& scenario, const
 
 // Runs an episode in this process and returns its JSON for the campaign. If the robot failed, the recording
 // of the episode is in the folder `failures`/NUMBER. If the robot succeeded, that folder is removed. Fails if
-// the episode could not begin (usage), or if the machine ended the episode: files, disk, display
+// the episode could not begin (usage), or if a problem of the machine ended the episode, such as a full disk
 // (environment).
 Result<nlohmann::ordered_json> run_episode(const CampaignOptions& options, std::uint64_t number,
                                            const std::string& failures);
 
 // Runs an episode in real time, with robot and behavior in separate processes connected by a pty. Results are
 // not reproducible bit by bit. The judge reads the ground truth from the simulator's control socket ten times
-// per second. Fails like run_episode(). Also fails (environment) if a process was
-// killed, if the simulator ended, or if the simulator lagged so far that the time ran out.
+// per second. Fails like run_episode(). Also fails (environment) if a process was killed, if the simulator
+// ended, or if the simulator lagged so much that the episode's time ran out.
 Result<nlohmann::ordered_json> run_realtime_episode(const CampaignOptions& options,
                                                     std::uint64_t number,
                                                     const std::string& failures);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Ground truth alone decides success. A behavior's claim of success is compared with the ground truth, but
-// does not decide. One number that a behavior reports is judged: the direction of search-ball. The judge uses
+// does not decide. Only one reported value is judged: the direction that search-ball reports. The judge uses
 // its own bounds and formulas, and no code of a behavior.
 #pragma once
 
@@ -32,7 +32,8 @@ struct Truth {
   // Frames at the ankles, x ahead.
   std::optional<Eigen::Isometry3d> left_foot = {}, right_foot = {};
   struct Touch {
-    // Thing: model of the touched object, "" without contact; by: link of the robot that touches it.
+    // `thing`: model of the touched object; "" without contact. `by`: link of the robot that touches the
+    // object.
     std::string thing, by;
     double at_s = 0;
   };
@@ -94,8 +95,8 @@ class Judge final : public Onlooker, public behavior::Sink {
   // Returns the name of the first object on the floor that the robot touched before a fall; "" if there was
   // no touch.
   const std::string& touched() const { return touch_.thing; }
-  // Returns whether the first touched object was still sliding into the robot's way at the touch. In this
-  // case the object hit the robot.
+  // Returns whether the first touched object was still sliding into the robot's way at the time of the touch.
+  // In this case the object hit the robot.
   bool was_hit() const { return was_hit_; }
   // walked_s() returns the time in s from the robot's first step to the last look; nullopt before the first
   // step. A step begins when an ankle has risen by sim::kFirstStep. watched_s() returns the time in s from
@@ -166,11 +167,12 @@ struct Verdict {
 //   heading is within 8 degrees of the first heading.
 // - turn-left, turn-right: the turned angle is within 6 degrees of the option `angle`.
 // - navigate: no obstacle was touched, and no sliding object hit the robot. The robot is within 5 cm of the
-//   goal, and within 10 degrees of the goal's heading, if there is one. If the ball is the goal, the ball is
-//   held as for catch-ball.
+//   goal. If the goal has a heading, the robot's heading is within 10 degrees of the goal's heading. If the
+//   ball is the goal, the ball is held as for catch-ball.
 // A behavior that ended with an error has failed. If the robot fell or touched an obstacle, the fall or the
-// touch is the cause of the failure. Otherwise the cause is the one that an unsuccessful behavior reports, or
-// else the unmet criterion. For tasks that are not listed, the behavior's claim decides.
+// touch is the cause of the failure. Otherwise, the cause that the behavior reports is used. If the behavior
+// claims success, the cause is the unmet criterion. For tasks that are not listed, the behavior's claim
+// decides.
 Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge);
 
 }  // namespace kaz::tools

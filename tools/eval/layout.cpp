@@ -32,7 +32,8 @@ constexpr WorldKindInfo kKinds[] = {
      "closer together",
      1.1},
     {WorldKind::u_trap, "u-trap",
-     "a U-shaped wall in front of the goal, open to the robot; a higher density makes the U deeper",
+     "a U-shaped wall in front of the goal, open toward the robot; a higher density makes the U "
+     "deeper",
      1.1},
     {WorldKind::low_step, "low-step",
      "a plate, 2 cm high, across the path; a higher density makes the plate wider and adds more "
@@ -282,7 +283,8 @@ Result<std::vector<WorldKind>> parse_world_kinds(const std::vector<std::string>&
     for (const WorldKindInfo& info : kKinds)
       if (name == "all" || name == info.name) kinds.push_back(info.kind);
     if (kinds.size() == before)
-      return fail(Fault::usage, "'" + name + "' is not a kind of world: use one of all" + all);
+      return fail(Fault::usage,
+                  "'" + name + "' is not a kind of world: use one of these: all" + all);
   }
   return kinds;
 }

@@ -87,21 +87,21 @@ Layout draw_layout(WorldKind kind, const LayoutRange& range, std::uint64_t seed,
                    const Eigen::Vector2d& ball);
 
 class Dice;
-// Draws a distractor: a box, can or large ball, `near_m` to `far_m` from the start in any direction. `rgb`:
-// color of the target ball, which the distractor gets; null: the distractor gets a color that no ball has.
-// Distractor balls never have the target ball's radius.
+// Draws a distractor: a box, can or large ball, `near_m` to `far_m` from the start in any direction. If `rgb`
+// (the color of the target ball) is not null, the distractor has this color. If `rgb` is null, the distractor
+// has a color that no ball has. Distractor balls never have the target ball's radius.
 Obstacle draw_prop(Dice& dice, double near_m, double far_m, const std::array<double, 3>* rgb);
 
-// Returns a true map after all obstacles have slid, of a square around the start with sides of 2 `reach_m`.
-// Cells on obstacles, and cells beside the table, are obstacle cells.
+// Returns a true map of a square around the start, with sides of 2 `reach_m`. The map shows the world after
+// all obstacles have slid. Cells on obstacles, and cells beside the table, are obstacle cells.
 plan::Grid true_grid(const Layout& layout, double reach_m);
 // Returns a `reach_m` for which true_grid() contains start and goal, with room to walk around the obstacles
 // between them.
 double reach_of(const Layout& layout);
 // Returns the shortest walking time from start to goal, in s; nullopt if there is no path. A path exists only
-// if start and goal are free before and after all obstacles have slid, and if a robot with a radius of 20 cm
-// fits through. This radius is larger than the robot's planning radius, so that a drawn path does not look
-// blocked to the robot. The returned time is for the robot's planning radius.
+// if start and goal are free before and after all obstacles have slid. A robot with a radius of 20 cm must
+// also fit through. This radius is larger than the robot's planning radius, so that a drawn path does not
+// look blocked to the robot. The returned time is for the robot's planning radius.
 Result<std::optional<double>> least_seconds(const Layout& layout);
 
 }  // namespace kaz::tools

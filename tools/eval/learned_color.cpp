@@ -96,8 +96,8 @@ Result<vision::ColorRange> learned_ball_color(const Scenario& episode,
   const auto lesson = KAZ_TRY(draw_color_lesson(episode, backend));
   auto learned = vision::learn_color(lesson.picture, lesson.region);
   if (!learned)
-    return fail(learned.error().fault, "color of the " + episode.ball_color +
-                                           " ball in another light: " + learned.error().message);
+    return fail(learned.error().fault, "cannot learn the color of the " + episode.ball_color +
+                                           " ball: " + learned.error().message);
   return learned->range;
 }
 

@@ -12,8 +12,8 @@
 
 namespace kaz::tools {
 
-// A picture like the one that a user takes before the episode, with the left eye's lens and noise. Also the
-// region that the user marks in the picture.
+// A picture as a user would take it before the episode, with the left eye's lens and noise. `region` is the
+// part of the picture that the user would mark.
 struct ColorLesson {
   // The ball lies in front of the robot on another floor; there are no other objects.
   Scenario scenario;

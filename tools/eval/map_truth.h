@@ -18,8 +18,8 @@ namespace kaz::tools {
 
 // Coordinate frame: origin between the feet of the robot at the start; x ahead, y left; m, rad. A map is
 // compared relative to the robot's true pose, so drift of the robot's odometry does not count as an error.
-// The position of arrival shows this drift. Each report of a map is compared, and three kinds of points and
-// cells are counted:
+// This drift appears in the robot's final distance from the goal instead. Each report of a map is compared,
+// and three kinds of points and cells are counted:
 //
 // - Outline points lie on the outlines of obstacles, 1 cm apart. A point counts after it was visible in both
 //   eyes' pictures, at most 1 m away, for at least 0.5 s in total. A point is not visible if another obstacle
@@ -27,8 +27,8 @@ namespace kaz::tools {
 //   makes within 1 m of the point. The point is found if the map has an obstacle cell within 2.5 cm of the
 //   point.
 // - Outline points in view are outline points that were visible at most 2 s before the report. This time
-//   covers the look before a plan and the last steps. Pictures that the behavior does not add to its map, as
-//   in turns, count too.
+//   covers the look before a plan and the last steps. Pictures that the behavior does not add to its map, for
+//   example during turns, also count as looks.
 // - Floor cells are known cells within 1 m of the robot, and at least 2 cm from any obstacle. A floor cell is
 //   wrong if the map marks the cell as an obstacle.
 //

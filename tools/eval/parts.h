@@ -1,4 +1,4 @@
-// Finds the episodes that are missing in the parts of an evaluation that a merge joins.
+// Finds the episodes that are missing when the parts of an evaluation are merged.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -30,14 +30,14 @@ struct Part {
 Part part_of(const std::string& folder, const Episodes& episodes,
              const nlohmann::ordered_json& result);
 
-// Fails (usage) if the parts were run with different values of --episodes: none of these values would be the
-// total.
+// Fails (usage) if the parts were run with different values of --episodes, because the total number of
+// episodes is then unknown.
 Result<void> check_one_plan(const std::vector<Part>& parts);
 
 // Planned episodes that no part contains.
 struct Shortage {
   Extent extent;
-  LostEpisodes lost;     // missing episodes that their part lost because of a machine error
+  LostEpisodes lost;     // missing episodes that were lost because of a machine error
   std::string sentence;  // which episodes are missing, why, and what to do; empty if complete
 };
 Shortage find_shortage(const std::vector<Part>& parts);

@@ -57,7 +57,7 @@ class Control {
     Control control(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (path.size() >= sizeof address.sun_path)
       return fail(Fault::usage,
-                  path + ": the path is too long for a socket; set TMPDIR to a shorter one");
+                  path + ": the path is too long for a socket; set TMPDIR to a shorter path");
     std::strcpy(address.sun_path, path.c_str());
     const timeval limit{5, 0};
     ::setsockopt(control.socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);

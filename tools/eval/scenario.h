@@ -54,7 +54,7 @@ constexpr const char* to_string(PushTo to) {
 inline constexpr std::array kPushTo{PushTo::left,  PushTo::right, PushTo::sides,
                                     PushTo::ahead, PushTo::back,  PushTo::around};
 
-// Repeated pushes at the trunk's center of mass, until the longest possible end of an episode.
+// Repeated pushes at the trunk's center of mass, until the latest possible end of an episode.
 struct Pushes {
   double impulse_ns = 0;  // impulse of each push, N s; 0: no pushes
   double from_s = 0.1;    // time of the first push
@@ -118,8 +118,8 @@ struct Scenario {
   std::vector<Push> pushes = {};
   bool pushes_from_first_step = true;
   // The members below are for behaviors that walk to a goal. `layout` has a reachable goal, and least_s is
-  // the shortest walking time to the goal around the true obstacles. The ball is the goal, or has_ball is
-  // false.
+  // the shortest walking time to the goal around the true obstacles. If has_ball is true, the ball is the
+  // goal.
   WorldKind kind = WorldKind::clutter;
   Layout layout = {};
   bool has_ball = true;

@@ -22,11 +22,11 @@ struct SlurmOptions {
 };
 
 // Submits the tasks, waits until all parts exist, and merges the parts into options.out. Returns whether an
-// episode succeeded, like run_campaign(). Submits tasks again that ended without a part, as long as further
-// parts arrive. A later call waits for tasks that are still running, and submits only tasks that ended
-// without a part. Fails (environment) if sbatch is missing or rejects the job. Also fails (environment) if
-// tasks ended without a part; the message contains the paths of these tasks' output. An interrupt ends only
-// the wait; the tasks continue.
+// episode succeeded, like run_campaign(). If tasks end without a part, submits these tasks again, as long as
+// each submission yields at least one new part. A later call waits for tasks that are still running, and
+// submits only tasks that ended without a part. Fails (environment) if sbatch is missing or rejects the job.
+// Also fails (environment) if a submission yields no new part; the message contains the path of one failed
+// task's output. An interrupt ends only the wait; the tasks continue.
 Result<bool> run_on_slurm(const CampaignOptions& options, const SlurmOptions& slurm);
 
 // Returns the script of the job array. `program`: path of the executable kaz.

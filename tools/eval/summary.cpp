@@ -143,8 +143,8 @@ Json pushes_json(const Json& campaign, const Episodes& episodes) {
     note += "; " + std::to_string(none - without_step) + " ended within " + from + " s of the " +
             since + ": give a smaller --push-from";
   if (without_step > 0)
-    note += "; in " + std::to_string(without_step) +
-            " the robot took no first step, so no push was timed: see the causes in episodes.csv";
+    note += "; without a first step of the robot, no push is scheduled (such episodes: " +
+            std::to_string(without_step) + "): see the causes in episodes.csv";
   json["note"] = note;
   return json;
 }

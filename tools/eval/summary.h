@@ -34,8 +34,8 @@ struct Extent {
 };
 
 // Writes result.json, report.html, junit.xml and episodes.csv into the folder. Prints a table, or result.json
-// with `json`. The rates cover only `episodes`, whose success is decided. Lost episodes are counted and
-// listed. Returns false if no episode succeeded.
+// with `json`. The rates cover only `episodes`, because success is known only for these episodes. Lost
+// episodes are counted and listed. Returns false if no episode succeeded.
 Result<bool> summarize(const nlohmann::ordered_json& campaign, const Episodes& episodes,
                        const LostEpisodes& lost, const OutputFolder& folder, bool json,
                        const Extent& extent = {});

@@ -71,7 +71,7 @@ std::string task_script(const TaskScript& by, const std::string& program,
          kWork + by.unique + "\n" + command + " --shard \"$task/" + std::to_string(tasks) +
          "\" --out \"$work\"\n"
          "status=$?\n"
-         "# 1: no episode succeeded, which is also a result.\n"
+         "# Status 1: no episode succeeded, which is also a result.\n"
          "if [ $status -gt 1 ]; then exit $status; fi\n"
          "mv -T \"$work\" \"$part\" 2>/dev/null || rm -rf \"$work\"\n";
 }
@@ -87,8 +87,9 @@ Result<void> write_task_script(const std::string& out, const std::string& name,
   const std::string path = out + "/" + name + "/" + file;
   const auto earlier = read_whole_file(path, 1 << 20);
   if (earlier && *earlier != script)
-    return fail(Fault::usage, "--out: '" + out + "' has the tasks of another evaluation (" + name +
-                                  "/" + file + "): give the same options, or another folder");
+    return fail(Fault::usage, "--out: '" + out + "' contains the tasks of another evaluation (" +
+                                  name + "/" + file +
+                                  "): give the same options, or another folder");
   return write_whole_file(path, script);
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each task is `kaz evaluate` with its own --shard. A task works in a unique folder, and renames this folder
-// at the end. So a task that runs twice still leaves only one part. A scheduler may run a task twice if the
+// at the end. So a task that runs twice still produces only one part. A scheduler may run a task twice if the
 // scheduler loses contact with a machine that keeps running. DIR/parts/N is the part of task N.
 #pragma once
 

@@ -1,4 +1,5 @@
-// Folder for temporary files of an evaluation's episodes. The folder is removed however the evaluation ends.
+// Folder for temporary files of an evaluation's episodes. The folder is removed even after an interrupt or an
+// error. If an evaluation is killed, the next evaluation removes the folder.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -217,7 +217,8 @@ Result<const figure::Image*> Film::eye_at(Time now, const sim::ScenePose& pose,
     next_pair_ = next;
     const auto decoded = sim::decode_png(run_.pairs[next - 1].left_png);
     if (!decoded)
-      return fail(Fault::usage, name_ + ": a picture of the left eye: " + decoded.error().message);
+      return fail(Fault::usage,
+                  name_ + ": cannot decode a picture of the left eye: " + decoded.error().message);
     eye_ = figure::framed(figure::resize(*decoded, kSeenWidth, kSeenHeight));
   } else if (draws_eye_) {
     sim::View view;

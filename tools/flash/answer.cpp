@@ -66,7 +66,7 @@ void Answer::written(const host::FlashReport& report, bool by_boot_mode) {
   put("min_seconds", report.min_seconds);
   if (report.written > 0) put("efficiency", report.efficiency());
   if (report.written == 0 && report.erased == 0)
-    return say("no write needed: the flash already has these " + std::to_string(report.bytes) +
+    return say("no write needed: the flash already contains these " + std::to_string(report.bytes) +
                " bytes, " + counted(report.unchanged, "block") + " compared");
   say("written and verified: " + std::to_string(report.written) + " bytes, " +
       (by_boot_mode ? "the whole flash erased"

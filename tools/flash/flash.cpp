@@ -33,7 +33,7 @@ Result<void> check_running(FlashSession& session, Answer& answer,
   if (!excuse.empty())
     return fail(
         Fault::environment,
-        "the firmware was written and verified, but nothing shows whether the firmware runs: " +
+        "the firmware was written and verified, but it is undecided whether the firmware runs: " +
             excuse + ": end other programs, then `kaz status " +
             host::robot_option(session.port()) + "`");
   if (board && board->image_crc == identity.crc) {
@@ -130,9 +130,10 @@ Result<void> erase(FlashSession& session, const FlashArguments& arguments, Answe
   // EB1 and EB2 hold the two copies of the calibration, EB3 the address (docs/reference/firmware.md).
   const auto has = [&](int block) { return std::ranges::count(arguments.blocks, block) > 0; };
   if (has(1) || has(2))
-    line += std::string("; with ") + (has(1) && has(2) ? "both copies" : "a copy") +
+    line += std::string("; the erased data include ") +
+            (has(1) && has(2) ? "both copies" : "a copy") +
             " of the calibration (`kaz calibrate joints` makes a new one)";
-  if (has(3)) line += "; with the board's address, which is now 1";
+  if (has(3)) line += "; the board's address was erased too, and is now 1";
   answer.say(
       line +
       "; if the application is complete, the loader starts it after 10 s or by `kaz flash run`");
@@ -152,7 +153,7 @@ Result<void> run(FlashSession& session, Answer& answer) {
     return fail(elsewhere->fault, "the board was started; " + elsewhere->message);
   if (!excuse.empty())
     return fail(Fault::environment,
-                "the board was started, but nothing shows whether the firmware runs: " + excuse +
+                "the board was started, but it is undecided whether the firmware runs: " + excuse +
                     ": end other programs, then `kaz status " + host::robot_option(session.port()) +
                     "`");
   return fail(Fault::failed,

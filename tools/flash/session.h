@@ -27,8 +27,9 @@ class FlashSession {
 
   // Opens the port, and loads the flash writer.
   Result<void> open();
-  // Enters boot mode if the reset line can be driven, else the loader. A running firmware first reports the
-  // id of its board. `image` is checked against this id before the board is changed; null: no check.
+  // Enters boot mode if the reset line can be driven, else the loader. If firmware is running, the board's id
+  // is first read from the firmware. `image` is checked against this id before the board is changed; null: no
+  // check.
   Result<void> enter(const host::FlashImage* image);
   // Leaves boot mode or the loader, and waits until the firmware has started.
   Result<void> start();

@@ -217,10 +217,10 @@ class Fuzzing {
     progress.update(1, "done");
     progress.done();
     if (totals_.cases == 0)
-      return interrupt_.requested()
-                 ? fail(Fault::interrupted, "interrupted before the first case")
-                 : fail(Fault::usage,
-                        "--seconds is too short for a single case; give more, or --cases");
+      return interrupt_.requested() ? fail(Fault::interrupted, "interrupted before the first case")
+                                    : fail(Fault::usage,
+                                           "--seconds is too short for a single case; give more "
+                                           "seconds, or give --cases");
     report(search, std::nullopt, "");
     return true;
   }
@@ -252,7 +252,7 @@ class Fuzzing {
                   std::string(foreign) + " is only valid with a board at a port: --target PATH");
     }
     if (arguments_.body)
-      return fail(Fault::usage, "--body needs the simulator: use it with --target native or h8");
+      return fail(Fault::usage, "--body needs the simulator: give --target native or h8");
     KAZ_TRY(check_port());
     if (arguments_.seed_given && !arguments_.replay.empty())
       return fail(Fault::usage,
@@ -470,7 +470,7 @@ class Fuzzing {
     const std::string part = totals_.broken_off > 0 ? " and part of another case" : "";
     const std::string shortening =
         totals_.shortening > 0
-            ? " (" + std::to_string(totals_.shortening) + " to shorten the one that failed)"
+            ? " (" + std::to_string(totals_.shortening) + " to shorten the failing case)"
             : "";
     print_lines(
         "tried: %s%s%s in %.1f s (%.1f s on the board's clock); sent: %s and %lld damaged frames; "
@@ -490,12 +490,12 @@ class Fuzzing {
           100.0 * static_cast<double>(totals_.translated_instructions) /
               static_cast<double>(std::max(1LL, totals_.instructions)));
     if (arguments_.body && totals_.worst_overshoot_rad > 0)
-      print_lines("furthest past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
+      print_lines("largest overshoot past a soft limit: %.4f rad\n", totals_.worst_overshoot_rad);
     else if (arguments_.body)
       std::printf("no joint went past a soft limit\n");
     if (!violation) {
       std::printf("%s%s\n",
-                  totals_.cases > 0        ? "nothing was wrong"
+                  totals_.cases > 0        ? "no case failed"
                   : totals_.broken_off > 0 ? "no case was complete, so there is no result"
                                            : "no case was run",
                   totals_.cases == 0       ? ""
@@ -506,9 +506,11 @@ class Fuzzing {
     }
     print_lines("wrong: %s\n", violation->c_str());
     if (arguments_.replay.empty())
-      std::printf("The case is in %s; see it again with:\n  kaz fuzz --target %s%s --replay %s\n",
-                  arguments_.out.c_str(), arguments_.target.c_str(), same_options().c_str(),
-                  arguments_.out.c_str());
+      std::printf(
+          "The case is in %s; repeat the case with:\n"
+          "  kaz fuzz --target %s%s --replay %s\n",
+          arguments_.out.c_str(), arguments_.target.c_str(), same_options().c_str(),
+          arguments_.out.c_str());
   }
 
   // Of which the case's course depends, but for --target.

@@ -113,8 +113,8 @@ Result<Engine> make_engine(const EngineOptions& options) {
   auto h8 = KAZ_TRY(sim::H8Mcu::load(options.image));
   if (!h8->has_tick_symbols())
     return fail(Fault::usage, options.image +
-                                  " has no symbols of the servo's tick; put the .coff " +
-                                  "of the same build beside it");
+                                  " has no symbols of the servo's tick; put the .coff file of "
+                                  "the same build into the same folder");
   const sim::H8Mcu* known = h8.get();
   return Engine{std::move(h8), known};
 }

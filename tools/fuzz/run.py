@@ -348,7 +348,8 @@ def show_status(options, targets):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="./tools/dev fuzz", description="Fuzzes the parsers.")
+    parser = argparse.ArgumentParser(prog="./tools/dev fuzz",
+                                     description="Fuzzes the parsers of external bytes.")
     parser.add_argument("seconds", nargs="?", type=int, default=600)
     parser.add_argument("--each", type=int, metavar="SECONDS", help="CPU time of each target")
     parser.add_argument("--only", default="", metavar="NAME[,NAME]")
@@ -357,8 +358,9 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/fuzz")
     parser.add_argument("--table", action="store_true",
                         help="write the targets' rows of docs/results/fuzz-campaign.csv")
-    parser.add_argument("--status", action="store_true", help="list the time that each target has had")
-    parser.add_argument("--programs", action="store_true", help="print the programs to build, and end")
+    parser.add_argument("--status", action="store_true", help="list the CPU time of each target so far")
+    parser.add_argument("--programs", action="store_true",
+                        help="print the names of the programs to build, and exit")
     options = parser.parse_args()
     all_targets, reads = manifest()
     targets = all_targets
@@ -368,13 +370,13 @@ def main():
         wanted = options.only.split(",")
         for name in wanted:
             if name not in targets:
-                parser.error(f"there is no target '{name}'; there are {', '.join(targets)}")
+                parser.error(f"there is no target '{name}'; give one of {', '.join(targets)}")
         targets = {name: targets[name] for name in wanted}
     if options.programs:
         print("\n".join(dict.fromkeys(target["program"] for target in targets.values())))
         return 0
     if options.seconds < 1 or options.jobs < 1 or options.each is not None and options.each < 1:
-        parser.error("SECONDS, --each and --jobs are 1 or more")
+        parser.error("SECONDS, --each and --jobs must be at least 1")
     if options.status:
         return show_status(options, targets)
     for target in targets.values():

@@ -277,10 +277,10 @@ void KeptRun::switch_motors_off() {
 
 Result<void> KeptRun::put_back() {
   if (interrupt_.requested() && options_.flash)
-    std::fprintf(stderr,
-                 "%s: interrupted; putting back the contents of the board's flash, which takes "
-                 "some seconds\n",
-                 options_.verb.c_str());
+    std::fprintf(
+        stderr,
+        "%s: interrupted; restoring the contents of the board's flash, which takes some seconds\n",
+        options_.verb.c_str());
   // put_back() ends by its patience; this only if it does not.
   const host::CleanUp clean_up(
       interrupt_, std::chrono::duration_cast<std::chrono::milliseconds>(3 * options_.patience));
@@ -308,7 +308,7 @@ Result<void> KeptRun::put_back() {
   return fail(
       Fault::environment,
       "the board on " + options_.port +
-          " may still differ from its state before this run; not put back: " + joined(back.left) +
+          " may still differ from its state before this run; not restored: " + joined(back.left) +
           (options_.motors_off ? ": its motors may be on, so support the robot, then give `" +
                                      command() + "`, which switches the motors off"
                                : ": give `" + command() + "`"));
@@ -323,7 +323,7 @@ Result<void> KeptRun::end() {
   std::error_code error;
   if (!path_.empty() && !fs::remove(path_, error) && error)
     std::fprintf(stderr,
-                 "%s: the board is as it was, but its notes cannot be removed (%s): remove %s\n",
+                 "%s: the board is restored, but its notes cannot be removed (%s): remove %s\n",
                  options_.verb.c_str(), error.message().c_str(), path_.c_str());
   return {};
 }
@@ -333,7 +333,7 @@ KeptRun::~KeptRun() {
     if (const auto ended = end(); !ended)
       std::fprintf(stderr, "%s: %s\n", options_.verb.c_str(), ended.error().message.c_str());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: the board was not put back: %s\n", options_.verb.c_str(),
+    std::fprintf(stderr, "%s: the board was not restored: %s\n", options_.verb.c_str(),
                  error.what());
   }
 }

@@ -1,4 +1,4 @@
-// Restores the state of the board after a run at a port, however the run ends.
+// Restores the state of the board after a run at a port, also after an error or an interrupt.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,8 +24,8 @@ std::string kept_folder();
 std::vector<std::string> earlier_notes(const std::string& port,
                                        const std::string& folder = kept_folder());
 
-// Adds the sentences of earlier_notes() to an error that no board was found on the port. Without the notes,
-// `kaz recover` would restore only the board's address. Returns errors other than Fault::environment
+// If `error` reports that no board was found on the port, adds the sentences of earlier_notes(). Without the
+// notes, `kaz recover` would restore only the board's address. Returns errors other than Fault::environment
 // unchanged.
 Error with_earlier_notes(Error error, const std::string& port,
                          const std::string& folder = kept_folder());
@@ -40,8 +40,8 @@ Result<std::string> write_new_notes(const std::string& folder, const std::string
 // Returns whether the run that wrote these notes is still running.
 bool notes_in_use(const KeptFile& kept);
 // Returns whether the notes belong to the board on this port. The name `port` must resolve to the same path
-// as in the notes, or both names must refer to the same device. The device number is not compared: the number
-// changes each time a device is plugged in, and the number of a pty changes with each run.
+// as in the notes, or both names must refer to the same device. The device number is not compared, because it
+// changes each time a device is plugged in. The number of a pty changes with each run.
 bool same_port(const KeptFile& kept, const std::string& port);
 
 struct KeptRunOptions {
@@ -52,8 +52,8 @@ struct KeptRunOptions {
   // True: the motors are switched off at the end. False: the motors are switched off only if
   // switch_motors_off() was called.
   bool motors_off = true;
-  // Returns a text that lists the servos on a bus that are not off, with advice (PortLink::still_on). Null
-  // for boards.
+  // Returns a text with advice that lists the servos whose torque is still on (PortLink::still_on). Null for
+  // boards.
   std::function<std::string()> still_on = nullptr;
   // True: the board is reset at the end, because the run may cause the board to latch a shutdown, such as an
   // emergency stop.
@@ -74,7 +74,8 @@ class KeptRun {
   // cannot be written. After a failure, the state of the board is unchanged.
   static Result<std::unique_ptr<KeptRun>> begin(host::Link& link, host::Clock& clock,
                                                 host::Interrupt& interrupt, KeptRunOptions options);
-  // If end() was not called because of an exception, calls end() and prints its error.
+  // If an exception has prevented the call of end(), the destructor calls end() and prints the error of
+  // end().
   ~KeptRun();
   KeptRun(const KeptRun&) = delete;
   KeptRun& operator=(const KeptRun&) = delete;
@@ -85,7 +86,7 @@ class KeptRun {
   // and the command that restores it, and the notes remain.
   Result<void> end();
 
-  // From now on put_back() switches the motors off, as with KeptRunOptions::motors_off.
+  // After this call, put_back() switches the motors off, as with KeptRunOptions::motors_off.
   void switch_motors_off();
 
   const host::BoardState& before() const { return kept_.board; }

@@ -144,7 +144,7 @@ Result<RecordedRun> RecordedRun::of(const sim::McapRecording& recording, const s
       return unusable("pair " + std::to_string(pair.sequence) + " lacks a picture");
     if (i > 0 && pair.exposure <= run.pairs[i - 1].exposure)
       return unusable("pair " + std::to_string(pair.sequence) +
-                      " is not later than the one before");
+                      " is not later than the pair before");
   }
   if (run.has_pictures && !read_camera(fact("camera"), run))
     return unusable("it has pictures, but no valid camera model");

@@ -55,11 +55,11 @@ class ReplayedBoard {
   // produce.
   void finish();
   // First difference in the bytes to the board. If all bytes are equal, but the host ends earlier or later
-  // than in the recording, the end counts as the difference. Exception: if the recording is cut off, a host
-  // that ends later than the recording is no difference.
+  // than in the recording, the end counts as the difference. Exception: if the recording is cut off, a later
+  // end of the host does not count as a difference.
   const std::optional<HostDifference>& difference() const { return difference_; }
-  // First difference between the recorded and the repeated entries of the behavior. It can explain why the
-  // host sent different bytes to the board.
+  // First difference between the recorded and the repeated entries of the behavior. This difference can
+  // explain why the host sent different bytes to the board.
   const std::optional<HostDifference>& other_thought() const { return other_thought_; }
 
  private:

@@ -23,7 +23,7 @@ struct BoardView {
   host::LinkStatistics link;
   // State of every joint, by joint number; empty before the first reading.
   std::vector<host::JointDetail> joints;
-  host::JointAngles targets{};  // rad; if a joint is off, its present angle instead
+  host::JointAngles targets{};  // rad; for a joint that is off: its present angle
   // Text of Robot::describe_fault(), or the reason why the board does not reply.
   std::string fault;
   double rounds_per_s = 0;

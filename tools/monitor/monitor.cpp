@@ -196,7 +196,7 @@ class Monitor {
   // that the next key does not switch it on again.
   Result<void> enable(std::uint32_t mask) {
     wanted_ = mask;
-    leaves_behind("the motors on " + port_.name() + " may be on or hold: cut their power");
+    leaves_behind("the motors on " + port_.name() + " may still be on: cut their power");
     // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
       watched_ = true;  // also if the reply does not come any more

@@ -24,7 +24,7 @@ struct MonitorOptions {
   std::string watched_at;
 };
 
-// Runs until q or Ctrl-C. If motors were switched on by a key, switches the motors off at the end and
+// Runs until q or Ctrl-C. If a key has switched motors on, monitor() switches the motors off at the end and
 // restores the settings of the link watchdog. Fails (usage or environment) if there is no terminal, or no
 // board at the port.
 Result<bool> monitor(const MonitorOptions& options);

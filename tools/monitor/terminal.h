@@ -27,7 +27,7 @@ enum class Key {
 // Shows text lines on the whole terminal. The destructor restores the terminal.
 class Terminal {
  public:
-  // Fails if standard input or output is no terminal, or if the terminal's type (TERM) is unknown.
+  // Fails if standard input or output is not a terminal, or if the terminal's type (TERM) is unknown.
   static Result<Terminal> open();
   // Fails if standard input or output is no terminal.
   static Result<void> check();

@@ -71,7 +71,7 @@ Result<std::vector<RecordedPoses>> recorded_poses(const sim::McapRecording& reco
                                       "`: the robot or world has changed; record the run again");
     }
     if (!all.empty() && poses.time <= all.back().time)
-      return unusable("a pose of /tf is not later than the one before");
+      return unusable("a pose of /tf is not later than the pose before");
     all.push_back(std::move(poses));
   }
   if (all.empty()) return unusable("it has no poses of a virtual robot (/tf)");

@@ -25,7 +25,7 @@ struct ReplayOptions {
   // Seed to use instead of the recorded seed; for `whole` only.
   std::optional<std::uint64_t> seed;
   std::map<std::string, std::string> settings;  // settings that replace settings of the recording
-  std::string plugin;  // path of the plug-in, if the recording's behavior was one
+  std::string plugin;  // path of the plug-in, if the recorded behavior is a plug-in
   bool json = false;
   bool quiet = false;                // prints no result
   std::string label = "kaz replay";  // prefix of progress messages

@@ -98,26 +98,27 @@ def costs(build):
 def main():
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # --list | head
     parser = argparse.ArgumentParser(prog="./tools/dev check",
-                                     description="Runs the tests of what has changed.")
+                                     description="Runs the tests that depend on changed files.")
     parser.add_argument("files", nargs="*", metavar="FILE")
-    parser.add_argument("--all", action="store_true", help="also the slow ones")
+    parser.add_argument("--all", action="store_true", help="also run the slow tests")
     parser.add_argument("--list", action="store_true", help="print the names of the tests, and run none")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     options = parser.parse_args()
     for file in options.files:
         if not (ROOT / file).is_file():
-            parser.error(f"{file} is no file of this tree")
+            parser.error(f"{file} is not a file of this tree")
     build = options.build.resolve()
     if not (build / ".ninja_deps").exists():
-        print(f"{build} is not built: ./tools/dev build", file=sys.stderr)
+        print(f"{build} is not built: run ./tools/dev build", file=sys.stderr)
         return 3
     files = options.files or changed_files()
     if not files:
-        print("no source or header has changed since the last commit: name one", file=sys.stderr)
+        print("no source or header has changed since the last commit: give a file", file=sys.stderr)
         return 2
     found = objects_of(build, files)
     for file in (file for file in files if not found[file]):
-        print(f"{file}: nothing is compiled from it; if it is new, ./tools/dev build", file=sys.stderr)
+        print(f"{file}: no target compiles this file; if the file is new, run ./tools/dev build",
+              file=sys.stderr)
         return 2
     objects = set().union(*found.values())
     direct = users_of(build, objects, False)
@@ -133,8 +134,8 @@ def main():
             chosen.append(test)
             time_s += test[3]
     left_out = len(ranked) - len(chosen)
-    slow = f"; the {left_out} slow ones too: --all" if left_out else ""
-    print(f"{len(ranked)} tests depend on {', '.join(files)}; these are {len(chosen)} of them, some "
+    slow = f"; --all also runs the {left_out} slow tests" if left_out else ""
+    print(f"{len(ranked)} tests depend on {', '.join(files)}; {len(chosen)} of them run now, about "
           f"{time_s / cores:.0f} s{slow}", flush=True)
     if options.list:
         print("\n".join(test[0] for test in chosen))

@@ -1,8 +1,8 @@
 // Robot and camera on which a behavior runs: a virtual robot in lockstep, or boards at ports with a camera.
 // SPDX-License-Identifier: Apache-2.0
 //
-// With boards at ports, the camera is another program that publishes pictures, or real cameras. A behavior
-// uses the same interfaces for virtual and real robots.
+// With boards at ports, the pictures come from another program or from real cameras. A behavior uses the same
+// interfaces for virtual and real robots.
 #pragma once
 
 #include <memory>
@@ -45,7 +45,7 @@ Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Inter
 
 // Returns the error for a servo that does not reply, with advice for the user.
 Error silent_servo(const servo_bus::BusServo& servo, const std::string& port);
-// Fails (environment) unless every servo confirms that its torque is off. The message lists the servos that
+// Fails (environment) if a servo does not confirm that its torque is off. The message lists the servos that
 // did not confirm. With `release`, first switches the torque of all servos off.
 Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoint> joints,
                           const std::string& port, bool release);

@@ -53,12 +53,12 @@ Result<void> check_lines(const std::string& name, const std::vector<BoardOfFile>
       if (boards[i].port.name() != boards[k].port.name()) continue;
       if (boards[i].port.kind != host::PortKind::can)
         return wrong(name, "two boards are at " + boards[i].port.name() +
-                               ": give each a port of its own, or put them on a CAN bus with `kaz "
-                               "can-bridge`");
+                               ": give each board its own port, or connect the boards to a CAN bus "
+                               "with `kaz can-bridge`");
       if (boards[i].address == boards[k].address)
         return wrong(name, "two boards have address " + std::to_string(boards[i].address) + " on " +
                                boards[i].port.name() +
-                               ": give them different ones (kaz recover --address)");
+                               ": give the boards different addresses (kaz recover --address)");
     }
   }
   return {};

@@ -72,12 +72,11 @@ TEST(BoardFile, EachMistakeHasItsSentence) {
             "kaz.boards: two boards drive l_sh_roll: assign each joint to one board");
   EXPECT_EQ(
       error_of(file({board("can:can0", "", names(0, 9)), board("can:can0", "", names(9, 18))})),
-      "kaz.boards: two boards have address 1 on can:can0: give them different ones (kaz recover "
-      "--address)");
-  EXPECT_EQ(
-      error_of(file({board("x", "1", names(0, 9)), board("serial:x", "2", names(9, 18))})),
-      "kaz.boards: two boards are at x: give each a port of its own, or put them on a CAN bus "
-      "with `kaz can-bridge`");
+      "kaz.boards: two boards have address 1 on can:can0: give the boards different "
+      "addresses (kaz recover --address)");
+  EXPECT_EQ(error_of(file({board("x", "1", names(0, 9)), board("serial:x", "2", names(9, 18))})),
+            "kaz.boards: two boards are at x: give each board its own port, or connect the boards "
+            "to a CAN bus with `kaz can-bridge`");
 }
 
 // A comment hides nothing of what follows, and a value that is no name is not printed whole.

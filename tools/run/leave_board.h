@@ -10,9 +10,9 @@
 
 namespace kaz::tools {
 
-// Sends requests of its own, because another thread may be in the middle of a request. Returns whether the
-// board's reply confirms that the motors are off; nullopt if the board does not reply. If the board replies,
-// `counts` receives the board's statistics.
+// Uses a separate Requester, because another thread may be in the middle of a request with the robot's
+// Requester. Returns whether the board's reply confirms that the motors are off; nullopt if the board does
+// not reply. If the board replies, `counts` receives the board's statistics.
 std::optional<bool> leave_board(const host::RobotBoard& board, host::Clock& clock,
                                 Result<kz_statistics_reply>& counts);
 

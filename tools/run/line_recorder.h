@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Writes those topics of a virtual robot's recording (docs/reference/recording.md) that a host can measure.
-// Times count from the opening of the recording, on the host's clock. The time of bytes is the time at which
-// the write or read of these bytes ended.
+// Times count from the opening of the recording, on the host's clock. Recorded bytes have the time at which
+// their write or read ended.
 #pragma once
 
 #include <map>

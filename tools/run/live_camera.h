@@ -64,7 +64,7 @@ class ReturningCamera final : public vision::Camera {
   std::uint64_t first_sequence_ = 0, next_sequence_ = 0;
 };
 
-// Passes pairs of a camera on, and checks whether the left and right camera are swapped.
+// Passes on the pairs of a camera, and checks whether the left and right camera are swapped.
 class JudgedCamera final : public vision::Camera {
  public:
   // `camera` must outlive this object.

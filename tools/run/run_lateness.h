@@ -17,8 +17,8 @@ struct RunLateness {
   // Lag of the simulator; empty at a real port, or if the simulator did not reply.
   std::optional<double> simulator_lost_s;
   double host_late_s = 0, host_worst_late_s = 0;
-  // Reason why a failure of the run proves nothing, for example "the program at the other end fell behind by
-  // 4200 ms". Empty if this program and the simulator were on time.
+  // Reason why the robot may not be the cause of a failed run. Example: "the program at the other end fell
+  // behind by 4200 ms". Empty if this program and the simulator were on time.
   std::string excuse;
 };
 

@@ -95,7 +95,8 @@ std::string profile_text(const RunProfile& profile) {
   add(text, "\n");
   row("all", profile.cpu_s);
   add(text,
-      "\n%.1f s of the robot in %.2f s: %.1f times real time; %.1f robot-seconds per CPU second\n",
+      "\n"
+      "%.1f s of robot time in %.2f s: %.1f times real time; %.1f robot-seconds per CPU second\n",
       profile.run_s, profile.wall_s, share(profile.run_s, profile.wall_s),
       share(profile.run_s, profile.cpu_s));
   add(text,

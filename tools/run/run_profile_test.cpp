@@ -43,7 +43,7 @@ TEST(RunProfile, TextIsATableOfNarrowLines) {
   EXPECT_NE(all.find("drawing                      1.500  50.0 %      150.00      0.100\n"),
             std::string::npos)
       << all;
-  EXPECT_NE(all.find("10.0 s of the robot in 2.00 s: 5.0 times real time"), std::string::npos)
+  EXPECT_NE(all.find("10.0 s of robot time in 2.00 s: 5.0 times real time"), std::string::npos)
       << all;
   EXPECT_NE(all.find("1.50 of 2 cores used"), std::string::npos) << all;
 }

@@ -207,7 +207,7 @@ std::string score_text(const RunReport& report) {
   if (stated && !by_truth) return "";
   char text[120];
   std::snprintf(text, sizeof text, "%s by %s %.1f %%",
-                stated ? "," : "; within 3 degrees of the image center once it was found:",
+                stated ? "," : "; after the ball was found, within 3 degrees of the image center:",
                 by_truth ? "ground truth" : "vision", 100 * *report.score.within_3deg);
   return text;
 }
@@ -342,7 +342,7 @@ void print_report(const ordered_json& result, const RunReport& report, const std
   }
   print_lines("%s: %s%s\n", word_of(report), report.outcome.sentence.c_str(),
               score_text(report).c_str());
-  std::printf("%.1f s of the robot, %.1f times as fast as real time", report.run_s, report.rtf);
+  std::printf("%.1f s of robot time, %.1f times as fast as real time", report.run_s, report.rtf);
   if (report.health.worst_8states != 0) {  // native counts no states
     std::printf("; worst tick of the board %.0f %%",
                 100 * report.health.worst_8states / (KZ_STATES_PER_TICK / 8.0));

@@ -126,8 +126,8 @@ TEST_F(Report, PrintsEachShareOfTheTrackingOnce) {
   report_.score.found_s = 1;
   report_.score.within_3deg = 0.98214;
   EXPECT_EQ(first_line(),
-            "done: the ball was tracked; within 3 degrees of the image center once it was found: "
-            "by vision 98.2 %");
+            "done: the ball was tracked; after the ball was found, within 3 degrees of the image "
+            "center: by vision 98.2 %");
   report_.outcome.measurements = {{"tracking_within_3deg", 0.98}};
   EXPECT_EQ(first_line(), "done: the ball was tracked") << "its sentence has that";
   report_.score.measured_by = "truth";

@@ -12,7 +12,7 @@
 namespace kaz::tools {
 
 struct Score {
-  // "truth": errors are computed from the ball's position in the simulated world. Or "pictures": errors are
+  // "truth": errors are computed from the ball's position in the simulated world. "pictures": errors are
   // computed from the ball's position in the left eye's pictures. A picture without the ball counts as a
   // miss.
   std::string measured_by;

@@ -38,7 +38,7 @@ struct SessionOptions {
   VisionWatcher* watcher = nullptr;  // if not null, the watcher must outlive the session
   // Called for each stereo pair that the host receives.
   std::function<void(const vision::StereoPair&)> on_pair;
-  // For a behavior that takes requests: returns the requests since the last call. The requests are recorded
+  // For a behavior that accepts requests: returns the requests since the last call. The requests are recorded
   // in /behavior.
   std::function<std::vector<std::string>(Time now)> requests;
   bool profile = false;          // measures a profile (run_profile.h)
@@ -50,8 +50,8 @@ struct SessionOptions {
   // For a simulated robot: the run ends at this time in the same way as after Ctrl-C. This end is no error:
   // run_session() returns false.
   std::optional<Time> until;
-  // Called at the end of the behavior with its outcome, its duration in s of robot time, and the ratio of
-  // this duration to wall time.
+  // Called at the end of the behavior. Arguments: outcome, duration in s of robot time, ratio of this
+  // duration to wall time.
   std::function<void(const Result<behavior::Outcome>&, double, double)> on_end;
   // Returns whether to write the results of a run that ended with a report. If worth_keeping() returns false,
   // the recording is also removed. If the function is empty, results are always written. Skipping the results

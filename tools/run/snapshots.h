@@ -16,7 +16,7 @@
 
 namespace kaz::tools {
 
-// Passes the pairs of a camera on, and stores the newest pair.
+// Passes on the pairs of a camera, and stores the newest pair.
 class RememberingCamera final : public vision::Camera {
  public:
   explicit RememberingCamera(vision::Camera& camera,
@@ -74,9 +74,9 @@ class Snapshots {
   void take(Time now, const std::string& shown);
 
   // Writes left_eye.png, color_extraction.png and outside.png of the latest snapshot in which the ball was
-  // found. If the ball was never found, uses the first snapshot. Writes all moments to moments.png, and to
-  // moments.jpg at a tenth of the size. Returns the names of the written files. If `stopped` returns true,
-  // the remaining files are not written.
+  // found. If the ball was never found, uses the first snapshot. Writes all moments to moments.png. The file
+  // moments.jpg shows the same picture in about a tenth of the file size. Returns the names of the written
+  // files. If `stopped` returns true, the remaining files are not written.
   Result<std::vector<std::string>> write(const OutputFolder& folder) const;
 
  private:

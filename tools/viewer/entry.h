@@ -5,7 +5,7 @@
 //   resolves to this machine's address. The browser then sends the foreign name in the Host header.
 // - A request with the token may view and control, whatever its Origin.
 // - A request without a token gets only the files of the page, which are the same on every machine. With
-//   Access::open, a request without a token may also view, unless the request's Origin is a web page of
+//   Access::open, a request without a token may also view. Exception: requests whose Origin is a web page of
 //   another server.
 // - A request with a wrong token gets only the files of the page, even with Access::open.
 #pragma once

@@ -38,8 +38,9 @@ class Feed {
                              const FeedOptions& options = {});
 
   // Whether message() uses a recorded channel. `never`: message() ignores the channel. `for_viewers`:
-  // messages of the channel may be skipped as long as there is no viewer. `always`: channels of the wire and
-  // of poses, because frames are counted from the beginning.
+  // messages of the channel may be skipped as long as there is no viewer. `always`: messages of the channel
+  // must not be skipped. The channels of the wire and of poses have this value, because frames are counted
+  // from the beginning.
   enum class Use { never, for_viewers, always };
   static Use use_of(std::string_view topic);
   // Processes a message of a recorded channel. All calls must come from the same thread.

@@ -95,8 +95,8 @@ Result<Request> parse_binary(std::span<const std::uint8_t> bytes);
 // contains none of kSubprotocols.
 std::string_view chosen_subprotocol(std::string_view offered);
 
-// Returns whether a subprotocol has frames from the server with this opcode. Only the subprotocol of the SDK
-// has frames with the state of a player.
+// Returns whether the server may send frames with this opcode in a subprotocol. Only the subprotocol of the
+// SDK has frames with the state of a player.
 bool understands(std::string_view subprotocol, std::uint8_t opcode);
 
 // Returns the message serverInfo. `capabilities`: names in the SDK's protocol. If `subprotocol` is not the

@@ -8,7 +8,7 @@
 //
 // Memory. A message is stored once, for any number of viewers. Queue and log are bounded. Each viewer has
 // only a small queue of answers to its own requests. If the viewer does not receive these answers, the server
-// reads no more of its requests.
+// stops reading the viewer's requests.
 #pragma once
 
 #include <cstdint>
@@ -79,7 +79,8 @@ class Server {
   // functions has returned, the previous handler is not called any more. Handlers must not call these
   // functions.
 
-  // Sets the handler for a viewer with the token that controls the player.
+  // Sets the handler for requests to control the player of a recording. Only viewers with the token can make
+  // such requests.
   void on_playback(std::function<void(const Playback&)> handler);
   // Sets the handler for a line that a viewer with the token publishes on kHandTopic (ServerOptions::hands).
   // If the handler returns an error, the viewer gets this error.

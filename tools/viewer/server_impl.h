@@ -62,7 +62,8 @@ struct Server::Impl {
       : options(std::move(given)), session(make_token()), inbox(options.most_queued) {}
 
   void accept();
-  // Moves messages from the inbox to the viewers, now or once every few milliseconds.
+  // take() moves messages from the inbox to the log and the viewers. take_regularly() does this every few
+  // milliseconds.
   void take();
   void take_regularly();
 

@@ -110,10 +110,10 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   int done_by_hand() const { return acts_; }
 
  private:
-  // Processes a viewer's line, on the server's thread. The line is an action of HandAct, or a request to the
-  // behavior (`target`, `play`, `stop`, `end`: pose.cpp). The remaining lines set the pace: `pause`, `go`,
-  // `step SECONDS` (runs for this time and then pauses), and `pace TIMES` (0: no limit). The pace does not
-  // change the results of the run.
+  // Processes a viewer's line, on the server's thread. A line is an action of HandAct, a request to the
+  // behavior, or a pace setting. Requests to the behavior are `target`, `play`, `stop` and `end` (pose.cpp).
+  // Pace settings are `pause`, `go`, `step SECONDS` (runs for this time and then pauses), and `pace TIMES`
+  // (0: no limit). The pace does not change the results of the run.
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
   void keep_pace(Time time);

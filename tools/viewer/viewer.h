@@ -16,8 +16,9 @@
 
 namespace kaz::viewer {
 
-// Use this class on the server's thread only. A viewer sends one frame at a time. The next frame is chosen
-// only after the previous frame was sent. Therefore only answers to the viewer's own requests are queued.
+// Use this class on the server's thread only. The server sends one frame at a time to each viewer. The next
+// frame is chosen only after the previous frame was sent. Therefore only answers to the viewer's own requests
+// are queued.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
   // `answer`: result of answer_to() with status 101.

@@ -91,11 +91,12 @@ Result<void> check_whole(const vision::Image& image, const std::string& path, co
   const auto text = [](const Board& of) {
     return std::to_string(of.columns) + "x" + std::to_string(of.rows);
   };
-  return fail(Fault::usage,
-              "'" + path + "' and the picture before it show a board of " + text(whole) +
-                  " inner corners. --board " + text(board) +
-                  " is smaller, so each eye could find another part of the board: give --board " +
-                  text(whole));
+  return fail(
+      Fault::usage,
+      "'" + path + "' and the picture before it show a board of " + text(whole) +
+          " inner corners. --board " + text(board) +
+          " is smaller, so each eye could find a different part of the board: give --board " +
+          text(whole));
 }
 
 Result<Sightings> look_at_all(const std::vector<PicturePair>& pairs, const Board& board,

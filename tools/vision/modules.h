@@ -20,10 +20,10 @@ struct VisionOptions {
 
 // Returns the names of all modules, separated by commas.
 std::string module_names();
-// Returns the names in `list` and the names of the modules that these need. Each name occurs once, in the
-// order for add_modules(). Fails (usage) for an unknown or repeated name.
+// Returns the names in `list`, and the names of the modules that these modules need. Each name occurs once,
+// in the order for add_modules(). Fails (usage) for an unknown or repeated name.
 Result<std::vector<std::string>> parse_modules(const std::string& list);
-// Adds the modules of `options`, and the modules that these need, to the pipeline.
+// Adds the modules of `options` to the pipeline, and also the modules that these modules need.
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline);
 
 // Observer of the results of vision during a run.

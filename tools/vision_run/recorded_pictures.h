@@ -54,6 +54,7 @@ Result<bool> run_on_source(const RecordedOptions& options);
 // Returns the names of the files that the functions above write into their folder.
 const OutputKind& vision_output();
 
-// Returns the ball to detect, with its radius, and with the color in the file if `color` is not empty.
+// Returns radius and color of the ball to detect. If `color` is not empty, the color comes from the file
+// `color`.
 Result<vision::BallOptions> ball_options(const RecordedOptions& options);
 }  // namespace kaz::tools

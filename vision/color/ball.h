@@ -45,8 +45,8 @@ struct BallObservation {
   // The confidence is reduced if less than a third of the circumference is visible. The confidence is also
   // reduced if motion blur exceeds a sixth of the radius, because the distance is then uncertain.
   double confidence = 0;
-  // Set if the picture could not be searched: camera gone, no pixels, wrong size. If `error` is set, `found`
-  // is false.
+  // Set if the picture could not be searched: the camera is lost, or the picture has no pixels or a wrong
+  // size. If `error` is set, `found` is false.
   std::optional<Error> error;
 
   Eigen::Vector3d position() const { return direction * distance_m; }  // m, optical frame

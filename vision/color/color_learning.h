@@ -24,10 +24,10 @@ struct LearnedColor {
 
 // Learns the color of an object from a region that should lie within the object. At least half of the
 // region's pixels must have the same hue (within 0.6 rad of the mean direction of chroma). The learned range
-// of hue covers 98 % of the pixels with this hue, plus 0.06 rad on each side for the noise of other pictures.
-// The minimum saturation is 0.8 times the second percentile of these pixels' saturations. The minimum
-// lightness is 0.5 times the second percentile of their lightness. With the factors 0.8 and 0.5, the range
-// includes the shaded side of the object. Error: a gray object, which has no hue.
+// of hue covers 98 % of the pixels with this hue. A margin of 0.06 rad on each side allows for the noise of
+// other pictures. The minimum saturation is 0.8 times the second percentile of these pixels' saturations. The
+// minimum lightness is 0.5 times the second percentile of their lightness. With the factors 0.8 and 0.5, the
+// range includes the shaded side of the object. Error: a gray object, which has no hue.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
 
 }  // namespace kaz::vision

@@ -16,9 +16,9 @@
 // disparities. Matching returns the disparity of the strongest edges, wherever these edges are in the block.
 // Therefore the largest slanted planes are fitted to the disparities (depth_slants.h). For each plane, the
 // right picture is warped so that the plane becomes fronto-parallel. The left picture is then matched with
-// the warped picture. If a new match lies within 1 px of the plane and costs at most 1.25 times as much as
-// the first match, the new match replaces the first match. The factor 1.25 is kMaxCost_percent in
-// depth_rows.h. This extension does not need the posture.
+// the warped picture. A new match replaces the first match if two conditions are met. The new match lies
+// within 1 px of the plane, and costs at most 1.25 times as much as the first match. The factor 1.25 is
+// kMaxCost_percent in depth_rows.h. This extension does not need the posture.
 //
 // In the right picture, a point appears further left than in the left picture. For a point at depth z, the
 // difference is the disparity `d = fx * baseline / z` (px). Frames: optical (x right, y down, z forward,

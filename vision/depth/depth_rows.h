@@ -17,8 +17,8 @@ struct RowWinners {
   std::int16_t *disparity, *cost, *before, *after, *in_doubt;
 };
 
-// One step of the running sums: the row of both pictures that enters the blocks, and the row that leaves the
-// blocks.
+// Input of one step of the running sums. In each step, one row of both pictures enters the blocks, and an
+// earlier row leaves the blocks.
 struct BlockRow {
   int width, disparities, half;
   const std::uint8_t *left, *right;            // entering rows; right: mirrored

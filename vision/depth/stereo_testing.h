@@ -28,7 +28,7 @@ struct TestPatch {
 
 struct TestHit {
   int patch = -1;
-  // Along the ray, in units of the ray's length.
+  // Distance along the ray, in units of the ray's length.
   double distance = std::numeric_limits<double>::infinity();
 };
 

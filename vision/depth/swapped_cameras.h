@@ -8,7 +8,7 @@ namespace kaz::vision {
 
 // Result of eye_order(). The result is `unclear` if DepthFinder returns an error. In darkness, the result is
 // `unclear` because hardly any pixel gets a depth. With a repeating pattern, the result is `unclear` because
-// both orders of the pictures give a depth for a similar number of pixels.
+// the number of pixels with depth is similar for both orders of the pictures.
 enum class EyeOrder : std::uint8_t { unclear, as_named, swapped };
 
 // Computes two small depth images: one from the pair as given, and one from the pair with left and right
@@ -44,7 +44,7 @@ class SwappedCameras {
 
 // Message for the user if found() returns true.
 inline constexpr const char* kSwappedCameras =
-    "left and right look exchanged, because the pair gives more depth after an exchange of its "
-    "pictures: exchange the pictures or the cameras, or calibrate the cameras again";
+    "left and right seem exchanged, because the pair gives more depth with exchanged pictures: "
+    "exchange the pictures or the cameras, or calibrate the cameras again";
 
 }  // namespace kaz::vision

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Between the two exposures, the camera moves by the ego-motion (R, t). A static point with the ray r = (x,
-// y, 1) and the inverse depth w then appears at pi(R r + w t), where pi is the projection. R and t are
+// y, 1) and the inverse depth w then appears at pi(R r + w t). Here pi is the projection. R and t are
 // computed from the joint angles at both exposures and refined with the flow (ego_motion.h). The inverse
 // depth of a cell is limited to an interval in one of three ways:
 // 1. Where the depth image is valid, the interval is given by the stereo disparity plus or minus one pixel.
-// 2. Elsewhere, if the ray meets the floor plane, the point is on the floor or up to `highest_on_floor_m`
-//    above the floor.
+// 2. Elsewhere, if the ray intersects the floor plane, the height of the point above the floor is assumed to
+//    be 0 to `highest_on_floor_m`.
 // 3. In all other cases (above the horizon, or far away), the interval is [0, 1 / nearest_elsewhere_m]. The
 //    predicted flow of far points depends mainly on the rotation of the camera.
 //

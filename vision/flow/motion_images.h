@@ -51,9 +51,9 @@ bool refine_flow(const GreyReader& before, const GreyReader& after,
                  std::span<const Eigen::Vector2i> corners, int side, Eigen::Vector2d& flow_px);
 
 // Finds the center of the pixels in the box (left, top)..(right, bottom) that move by `flow_px`. Pixels that
-// move by `rest_px`, the flow of a static point, are excluded. In an object of uniform color, only the pixels
-// at the leading and trailing edges show the motion. The pixels of both edges count. Returns false if no
-// pixel moves by `flow_px`.
+// move by `rest_px` are excluded, because `rest_px` is the flow of a static point. In an object of uniform
+// color, only the pixels at the leading and trailing edges show the motion. The pixels of both edges count.
+// Returns false if no pixel moves by `flow_px`.
 bool moved_middle(const GreyReader& before, const GreyReader& after, int left, int top, int right,
                   int bottom, const Eigen::Vector2d& flow_px, const Eigen::Vector2d& rest_px,
                   Eigen::Vector2d& middle);

@@ -38,8 +38,8 @@ inline Image plain_picture(int width, int height, const TestColor& color) {
   return image;
 }
 
-// Paints a sphere (center and radius in m, optical frame). The color of each pixel is mixed by the share of
-// its 10 x 10 sub-pixels whose rays hit the sphere.
+// Paints a sphere (center and radius in m, optical frame). Each pixel is divided into 10 x 10 sub-pixels. The
+// new color is a mixture of sphere and background, by the share of sub-pixels whose rays hit the sphere.
 inline void paint_sphere(Image& image, const CameraModel& camera, const Eigen::Vector3d& center,
                          double radius, const TestColor& color) {
   constexpr int kSub = 10;

@@ -252,7 +252,7 @@ Result<void> Pipeline::add(std::unique_ptr<Module> module) {
   for (const std::string& need : module->needs()) {
     const auto found = state_->names->find(need);
     if (found == state_->names->end())
-      return fail(Fault::usage, about + " needs '" + need + "': add that one before it");
+      return fail(Fault::usage, about + " needs '" + need + "': add '" + need + "' first");
     worker->needs.push_back(found->second);
   }
   for (const std::size_t need : worker->needs) state_->workers[need]->feeds.push_back(index);

@@ -5,12 +5,12 @@
 // on the floor, the depth image has no step but only a bend. The bend is detected some pixels too high. The
 // border of the floor's segments is therefore inaccurate, and pixels within `reach_px` of the border are
 // undecided. A marker-controlled watershed labels the undecided pixels. Floor and non-floor grow into the
-// undecided band from both sides, first where the color gradient is small. Floor and non-floor meet where
-// the gradient is largest. Sources: F. Meyer, "Color image segmentation", IPA 1992; cv::watershed. If a hole
-// in the floor is narrower than `2 * reach_px` and the depth image shows no object in the hole, the hole is
-// labeled as floor. A pixel of an object in a hole becomes part of a marker if two conditions are met. The
-// pixel's height above the floor exceeds both 15 mm and the depth error. The pixel's distance from the
-// floor's pixels exceeds 3/4 of `reach_px`.
+// undecided band from both sides, first where the color gradient is small. Floor and non-floor meet where the
+// gradient is largest. Sources: F. Meyer, "Color image segmentation", IPA 1992; cv::watershed. A hole in the
+// floor is labeled as floor if the hole is narrower than `2 * reach_px` and the depth image shows no object
+// in it. A pixel of an object in a hole becomes part of a marker if two conditions are met. The pixel's
+// height above the floor exceeds both 15 mm and the depth error. The pixel's distance from the floor's pixels
+// exceeds 3/4 of `reach_px`.
 //
 // Limitations: the border is wrong by up to `reach_px` where floor and object have the same color, or near
 // the edge of a shadow. If an object is narrower than `1.5 * reach_px` in the depth image, the object is

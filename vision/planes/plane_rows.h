@@ -23,9 +23,9 @@ struct ColumnSums {
 void add_row(const float* disparity, std::size_t pixels, const ColumnSums& sums,
              bool vectors = true);
 
-// Labels the pixels of a row. A pixel in column x gets `label` if the pixel's disparity is above 0 and
-// differs from `start + slope * x` by less than `tolerance`. Other pixels get label 0. If the pixel in column
-// x gets `label`, `count[x]` increases by 1, and `square[x]` increases by the squared difference.
+// Labels the pixels of a row. A pixel in column x gets `label` if its disparity is above 0 and within
+// `tolerance` of `start + slope * x`. Other pixels get label 0. If the pixel in column x gets `label`,
+// `count[x]` increases by 1, and `square[x]` increases by the squared difference.
 struct RowPlane {
   float start, slope, tolerance;
   std::uint8_t label;

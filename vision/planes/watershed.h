@@ -3,8 +3,8 @@
 //
 // Flooding by a priority queue (F. Meyer, "Color image segmentation", IPA 1992). The color difference of two
 // pixels is the largest difference of the three channels. Undecided pixels beside a marker wait in one FIFO
-// queue per color difference. A pixel from a queue gets the marker of its neighbors, or becomes part of the
-// line if its neighbors have different markers. The order of neighbors is the same as in OpenCV's
+// queue per color difference. A pixel from a queue gets the marker of its neighbors. If the neighbors have
+// different markers, the pixel becomes part of the line. The order of neighbors is the same as in OpenCV's
 // cv::watershed, so every pixel of the result is also the same. A test compares the results of both
 // implementations. The outermost pixels of the picture also belong to the line.
 #pragma once

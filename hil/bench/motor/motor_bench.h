@@ -1,9 +1,9 @@
 // Measurements of one motor: group `motor` of measurements.def.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The measurements use the host's Robot and a Stand, so the measurements run in the same way on a real board
-// and on an emulated board. Without a stand, measurements that need a stand are left out. docs/howto/bench.md
-// describes each measurement.
+// The measurements use the host's Robot and a Stand. Therefore the measurements run in the same way on a real
+// board and on an emulated board. Without a stand, measurements that need a stand are left out.
+// docs/howto/bench.md describes each measurement.
 #pragma once
 
 #include <functional>
@@ -42,8 +42,8 @@ Result<void> check_motor_filter(const std::string& filter);
 Result<void> bench_motor(host::Robot& robot, Stand* stand, const MotorBenchOptions& options,
                          BenchJudge& judge);
 
-// The parts of the bench, in the order in which they run. Each function enters the measurements of
-// its name into the report.
+// The functions below are the parts of the bench, in the order in which they run. Each function enters its
+// measurements into the report.
 //
 // Enters the measurement `direction`. A correct direction is entered only if `enter_good` is true. Returns
 // false if the motor turns in the opposite direction to its potentiometer. In that case, the motor must not
@@ -54,7 +54,7 @@ void measure_potentiometer_noise(MotorOnBench& motor, BenchJudge& judge);  // en
 void measure_potentiometer_line(MotorOnBench& motor, BenchJudge& judge);
 void measure_backlash(MotorOnBench& motor, BenchJudge& judge);
 // Enters dead_band, and also friction.breakaway if the torque per volt (`slope_nm_per_v`) is known. Each
-// function with a parameter `supply_volts` leaves the stand's supply at this voltage.
+// function with a parameter `supply_volts` sets the stand's supply to this voltage at the end.
 void measure_dead_band(MotorOnBench& motor, BenchJudge& judge, double supply_volts,
                        std::optional<double> slope_nm_per_v);
 // Enters no_load.* and start.*, and also friction.running if the torque per volt is known.

@@ -109,7 +109,7 @@ std::string MotorOnBench::take_line_trouble() {
     add_trouble(trouble, "the connection to the board was lost for a while");
   }
   if (const auto frames = std::exchange(frames_lost_, 0); frames > 0)
-    add_trouble(trouble, counted(frames, "frame") + " of telemetry did not arrive");
+    add_trouble(trouble, counted(frames, "telemetry frame") + " did not arrive");
   return trouble;
 }
 

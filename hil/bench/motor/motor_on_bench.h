@@ -64,9 +64,8 @@ class MotorOnBench {
   // Samples the potentiometer every 5 ms with the motor off.
   Trace watch(double length_s);
   // Drives with a duty of -1 to 1, rounded to 1/255, for `length_s`. If `within_rad` is above 0, the drive
-  // ends early near the end of the joint's range. The drive ends early when the remaining angle to the end of
-  // the range is less than `within_rad`. After the drive, the motor is off, and sampling continues for
-  // `after_s`.
+  // ends early as soon as the joint is less than `within_rad` from the end of its range. After the drive, the
+  // motor is off, and sampling continues for `after_s`.
   Trace drive(double duty, double length_s, double within_rad = 0, double after_s = 0);
   // Like drive(), but ends as soon as the angle differs from `from_rad` by `enough_rad` in either direction.
   Trace nudge(double duty, double length_s, double from_rad, double enough_rad);
@@ -100,9 +99,9 @@ class MotorOnBench {
   void forget_telemetry();
   // Collects samples. The collection ends when the host's clock reaches the time `until`, or earlier as soon
   // as `enough` returns true. `until_s` is the end in board time, in seconds after begin_tick. A busy machine
-  // reads frames late. Therefore collect() also checks the samples' board times. If no sample from the last
-  // 15 ms before `until_s` has arrived by the time `until`, collect() waits up to 100 ms longer for such a
-  // sample.
+  // reads frames late. Therefore collect() also checks the samples' board times. At the time `until`, a
+  // sample from the last 15 ms before `until_s` should have arrived. If not, collect() waits up to 100 ms
+  // longer for such a sample.
   template <class Enough>
   void collect(Trace& to, std::uint32_t begin_tick, Time until, double until_s, Enough enough);
 

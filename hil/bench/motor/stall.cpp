@@ -138,8 +138,8 @@ Plot stall_plot(const std::string& joint, const Readings& readings, const ColdLi
            fitted,
            {"paper, section 2.1", Series::Style::points, {{4.8, 0.97}, {10, 2.16}}}},
           "The voltage is measured at the driver's terminals under load. Each torque is converted "
-          "to the torque of a cold motor. The slope of the line is the torque per volt. If the "
-          "line is extended to 0 V, it reaches a negative torque, whose size is the sliding "
+          "to the torque of a cold motor. The slope of the line is the torque per volt. At "
+          "0 V, the extended line reaches a negative torque. Its absolute value is the sliding "
           "friction."};
 }
 

@@ -1,4 +1,4 @@
-// Interface to the tools of a motor test stand: supply, clamp and scale, weight, protractor, a disc.
+// Interface to the tools of a motor test stand: supply, clamp with scale, weight, protractor and disc.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Angles and torques are positive in the joint's positive direction, rad and Nm at the output shaft. All
@@ -25,12 +25,13 @@ class Stand {
   // If `on`, holds the shaft by a lever against a scale and sets the scale to zero. Otherwise frees the
   // shaft.
   virtual Result<void> clamp(int joint, bool on) = 0;
-  // Announces that the motor will press against the scale, in the joint's positive or negative direction.
+  // Call this function before the motor presses against the scale. `positive`: the motor presses in the
+  // joint's positive direction.
   virtual Result<void> prepare_press(int joint, bool positive) = 0;
   // Returns the torque on the scale at the end of the last drive. Precondition: prepare_press() was called
   // before this drive.
   virtual Result<double> scale_nm(int joint) = 0;
-  // Loads the shaft gently with this torque, for example with a weight; torque 0 removes the load.
+  // Loads the shaft gently with this torque, for example with a weight. A torque of 0 removes the load.
   virtual Result<void> press(int joint, double torque_nm) = 0;
   // Turns the shaft by hand to about this angle and holds the shaft until let_go(). Returns the angle that
   // the protractor shows.

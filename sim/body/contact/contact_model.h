@@ -1,7 +1,8 @@
-// The shapes of a world that collide: constant data of the collision detection.
+// Constant data of the collision detection: the collision shapes of a world.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A ContactModel is built once and then shared by all clones of a world, also across threads.
+// A ContactModel is built once. All clones of a world share the ContactModel, even if the clones run in
+// different threads.
 #pragma once
 
 #include <cstdint>
@@ -31,10 +32,9 @@ class ContactModel {
     double radius = 0;                               // radius of the bounding sphere, m
     Eigen::Vector3d size = Eigen::Vector3d::Zero();  // dimensions, as in Shape::size
     Eigen::Vector3d half = Eigen::Vector3d::Zero();  // boxes: half lengths
-    Eigen::Vector3d at =
-        // Position relative to the body's center of mass; for a fixed shape, in the world.
-        Eigen::Vector3d::Zero();
-    // Orientation in the body's axes; for a fixed shape, in the world.
+    // Position relative to the body's center of mass. For a fixed shape: position in the world frame.
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    // Orientation in the body's axes. For a fixed shape: orientation in the world frame.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Surface surface;
   };

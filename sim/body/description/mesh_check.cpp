@@ -70,9 +70,9 @@ Result<std::string> mesh_path(const std::string& robot_path, const std::string& 
   if (error) return (folder / name).string();
   const fs::path package = package_of(folder);
   if (is_inside(path, package) || is_in_named_folder(path)) return path.string();
-  return fail(Fault::usage, "is the file " + path.string() + ", outside of the robot's folder " +
-                                package.string() +
-                                ": copy it there, or name its folder in KAZ_MESH_PATH");
+  return fail(Fault::usage, "is the file " + path.string() +
+                                ", which is outside of the robot's folder " + package.string() +
+                                ": copy the file there, or add its folder to KAZ_MESH_PATH");
 }
 
 constexpr std::size_t kMaxMeshBytes = 256 << 20;

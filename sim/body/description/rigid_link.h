@@ -13,14 +13,14 @@ namespace kaz::sim {
 
 // Contact parameters of a shape. A contact between two shapes has the smaller mu of the two shapes and the
 // sum of the two softnesses. The contact also has the larger of the two rolling resistances, and the larger
-// of the two restitutions.
-// The bounce threshold is the threshold of the shape with the larger restitution.
+// of the two restitutions. The bounce threshold is the threshold of the shape with the larger restitution.
 struct Surface {
-  double mu = 1.0;                // Coulomb friction coefficient
-  double softness = 0;            // compliance, m/s per N (ODE's contact CFM)
-  double restitution = 0;         // 0..1
-  double bounce_threshold = 0;    // m/s; impacts below this speed do not bounce
-  double rolling_resistance = 0;  // m; rolling moment = rolling_resistance * normal force
+  double mu = 1.0;              // Coulomb friction coefficient
+  double softness = 0;          // compliance, m/s per N (ODE's contact CFM)
+  double restitution = 0;       // 0..1
+  double bounce_threshold = 0;  // m/s; impacts below this speed do not bounce
+  // Lever arm of the rolling moment, m. The rolling moment is rolling_resistance * normal force.
+  double rolling_resistance = 0;
 };
 
 struct CollisionShape {

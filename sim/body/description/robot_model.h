@@ -55,7 +55,8 @@ struct RobotModel {
 
   double mass() const;                           // kg
   std::vector<std::string> joint_order() const;  // names, in the order of `joints`
-  // Index of the link that carries `left_eye` and `right_eye`; -1 if no link carries both.
+  // Index of the link to which the frames `left_eye` and `right_eye` are fixed. -1: a frame is missing, or
+  // the two frames are fixed to different links.
   int eyes_link() const;
   // Bounding box of the collision shapes at the zero posture, in the root link's frame. The box is empty if
   // the robot has no collision shapes.

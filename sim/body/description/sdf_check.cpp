@@ -166,12 +166,12 @@ class Check {
     const std::string version = file_.root().Attribute("version");
     if (version.size() != 3 || version[0] != '1' || version[1] != '.' || version[2] < '0' ||
         version[2] > '9') {
-      return error(file_.root(),
-                   "SDF version \"" + version + "\" is not supported; worlds are read up to 1.9");
+      return error(file_.root(), "SDF version \"" + version +
+                                     "\" is not supported; the newest supported version is 1.9");
     }
     if (auto ok = check(file_.root()); !ok) return ok;
     const Element* world = file_.root().FirstChildElement("world");
-    if (world == nullptr) return error(file_.root(), "<sdf> must hold one <world>");
+    if (world == nullptr) return error(file_.root(), "<sdf> must contain one <world>");
     std::size_t models = 0;
     for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
       if (++models > kMaxModels)
@@ -225,8 +225,8 @@ class Check {
     if (const auto numbers = look_up(kNumbers, element); numbers != kNumbers.end()) {
       const char* text = element.GetText();
       if (!fits(parse_numbers(text ? text : "", numbers->second.count), numbers->second)) {
-        return error(element, "<" + name + "> must hold " + describe(numbers->second) + ", not \"" +
-                                  (text ? text : "") + "\"");
+        return error(element, "<" + name + "> must contain " + describe(numbers->second) +
+                                  ", not \"" + (text ? text : "") + "\"");
       }
     }
     KAZ_TRY(file_.check_name(element));
@@ -248,7 +248,7 @@ class Check {
     if (name == "static") {
       bool fixed = false;
       if (element.QueryBoolText(&fixed) != tinyxml2::XML_SUCCESS) {
-        return error(element, "<static> must hold true or false");
+        return error(element, "<static> must be true or false");
       }
     }
     if (name == "visual" || name == "collision") {
@@ -256,7 +256,7 @@ class Check {
       const Element* shape = geometry ? geometry->FirstChildElement() : nullptr;
       if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
           geometry->NextSiblingElement("geometry") != nullptr) {
-        return error(element, "<" + name + "> must hold one <geometry> with one shape");
+        return error(element, "<" + name + "> must contain one <geometry> with one shape");
       }
     }
     if (name ==

@@ -208,9 +208,9 @@ class Check {
         if (element == nullptr) continue;
         const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
         if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
-          return file_.error(*element,
-                             std::string("<") + element->Name() +
-                                 "> must hold one number not below 0; mu1 and mu2 must be equal");
+          return file_.error(
+              *element, std::string("<") + element->Name() +
+                            "> must contain one number not below 0; mu1 and mu2 must be equal");
         mu = value->front();
       }
       friction_[link] = mu;

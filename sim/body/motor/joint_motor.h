@@ -21,14 +21,14 @@
 //   w_new + softness T = velocity,  softness = 1/K,  velocity = u_free - d/h,  0 <= T
 //
 // The row for the other flank is the mirror image of this row. In the solution, the flank is either free or
-// engaged. A flank never pulls. If rotor and flank meet during a step, they do not bounce. The row computes
-// the torques of back-EMF and rotor inertia from the speed at the end of the step (implicit integration). If
-// these torques were computed from the speed at the beginning of the step, the simulation of the robot's
-// light links would be unstable. In each step, the row is for one flank only. To choose the flank, prepare()
-// computes the positions of rotor and joint after a step without contact. At these positions, the chosen
-// flank is nearer to the rotor than the other flank. A step can end with the rotor beyond the other flank. In
-// this case, the next prepare() sets the rotor's angle to the position of the other flank. This correction
-// changes an angle but no speed, and therefore adds no energy.
+// engaged. A flank never pulls. If the rotor hits the flank during a step, the rotor does not bounce back.
+// The row computes the torques of back-EMF and rotor inertia from the speed at the end of the step (implicit
+// integration). If these torques were computed from the speed at the beginning of the step, the simulation of
+// the robot's light links would be unstable. In each step, the row is for one flank only. To choose the
+// flank, prepare() computes the positions of rotor and joint after a step without contact. At these
+// positions, the chosen flank is nearer to the rotor than the other flank. A step can end with the rotor
+// beyond the other flank. In this case, the next prepare() sets the rotor's angle to the position of the
+// other flank. This correction changes an angle but no speed, and therefore adds no energy.
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
@@ -56,8 +56,8 @@ class JointMotor {
     double velocity = 0;  // rad/s
     double softness = 0;  // rad/s per Nm
     double max = 0;       // Nm
-    // Nm. In the row of a flank, one of `min` and `max` is 0, and the other is so large that it never limits
-    // the torque. For a gear without backlash, a slipping gear or a jammed gear, min = -max.
+    // Unit: Nm. In the row of a flank, one of `min` and `max` is 0, and the other is so large that it never
+    // limits the torque. For a gear without backlash, a slipping gear or a jammed gear, min = -max.
     double min = 0;
   };
   // Returns the torque (Nm) with which the motor would press on a rigid obstacle in the coming step. The
@@ -74,7 +74,7 @@ class JointMotor {
   // Current drawn from the supply in the last step, A. The current is negative if the motor brakes and feeds
   // current back, and 0 if the bridge is open.
   double supply_current() const { return state_.duty * state_.current; }
-  // A; a positive current drives the joint forward.
+  // Motor current, A. A positive current drives the joint forward.
   double motor_current() const { return state_.current; }
   double winding_celsius() const { return heat_.winding_celsius(); }
   double case_celsius() const { return heat_.case_celsius(); }

@@ -5,7 +5,7 @@
 namespace kaz::sim {
 
 struct MotorDrive {
-  double duty = 0;       // -1..1, mean over the step; a positive duty drives the joint forward
+  double duty = 0;       // mean over the step, -1..1; a positive duty drives the joint forward
   bool powered = false;  // false: the bridge is open, so only friction and inertia act on the rotor
   // Faults of the gear (docs/reference/simulator.md, "Faults").
   bool jammed = false;   // true: the gear is jammed and locks the joint at the present angle

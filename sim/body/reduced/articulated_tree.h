@@ -13,8 +13,8 @@
 //
 //   M(q) dv/dt + c(q, v) = tau
 //
-// The class allocates no memory after the first step in a thread. All sums have a fixed order, so equal input
-// gives equal bits. Copies of a tree share constant data.
+// The class allocates no memory after the first step in a thread. All sums have a fixed order, so equal
+// inputs produce bit-identical results. Copies of a tree share constant data.
 #pragma once
 
 #include <memory>
@@ -70,8 +70,7 @@ class ArticulatedTree {
   };
   Momentum momentum();
   // Changes the velocity of a floating base so that the tree has the momentum `to`. Joint velocities stay
-  // unchanged.
-  // The function has no effect if the base is fixed.
+  // unchanged. The function has no effect if the base is fixed.
   void set_momentum(const Momentum& to);
   Eigen::Vector3d mass_centre() const;  // center of mass of the whole tree, world frame, m
   double mass() const { return mass_; }

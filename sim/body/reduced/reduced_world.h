@@ -14,7 +14,7 @@
 //   4. Set the robot's momentum to the old momentum plus the impulses of contacts and gravity, so that errors
 //      of the momentum do not accumulate. This correction changes the root's velocity by terms of order h^2.
 //
-// The members of ReducedWorld are the state that is kept from step to step; clone() copies all members. The
+// The members of ReducedWorld are the state that is kept from step to step. clone() copies all members. The
 // temporary data of a step is in a Work object. Each thread has one Work object and uses this object for all
 // its worlds. Therefore the object stays in the processor's cache.
 #pragma once

@@ -1,4 +1,5 @@
-// Dot products and sums of short vectors, in a fixed order that suits registers of two doubles (SSE2).
+// Dot products and sums of short vectors, in a fixed order. The order is efficient for registers of two
+// doubles (SSE2).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -36,9 +36,9 @@
 // This solver has limitations. Even a hard contact yields along the surface: its tangential compliance `give`
 // is kGive times the mobility of the bodies. For example, a tangential force of 1 N shifts a ball of 15 g by
 // 7 micrometers. If two bodies touch at several points, like a sole and the floor, these points share the
-// friction force like parallel springs. Suppose that point A has half the `give` of point B. Then point A
-// takes twice the friction force that point B takes. At each point, the friction force is limited to the
-// radius of the point's friction disc. If friction and normal force amplify each other without
+// friction force like parallel springs. Suppose that point A has half the `give` of point B. Then the
+// friction force at point A is twice the friction force at point B. At each point, the friction force is
+// limited to the radius of the point's friction disc. If friction and normal force amplify each other without
 // bound (a jamming wedge between almost massless bodies), the solver may find no solution. The number of
 // iterations is bounded, and residual() returns the velocity change in the last iteration.
 #pragma once

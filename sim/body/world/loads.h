@@ -9,8 +9,8 @@
 
 namespace kaz::sim {
 
-// Sum of the contact forces that floor, objects and walls exert on one link. Contacts between two links of
-// the robot are not included, and neither are impulses by World::push(). For a base that is fixed in the
+// Sum of the contact forces that floor, objects and walls exert on one link. The sum includes neither
+// contacts between two links of the robot nor impulses by World::push(). For a base that is fixed in the
 // world, the sum is zero.
 struct LinkForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // force in the link's axes, N

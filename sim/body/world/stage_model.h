@@ -1,7 +1,8 @@
 // The constant part of a world: numbered bodies, names, scene, shapes, kicks and pushes.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A StageModel is built once and then shared by all clones of a world, also across threads.
+// A StageModel is built once. All clones of a world share the StageModel, even if the clones run in different
+// threads.
 #pragma once
 
 #include <cstdint>

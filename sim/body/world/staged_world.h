@@ -21,9 +21,9 @@ namespace kaz::sim {
 // Error reduction parameter (ERP) of a joint stop for a step of 1 ms (contact_surface.h).
 constexpr double kStopErp = 0.2;
 // Compliance of a joint stop for a step of 1 ms, rad/s per Nm. With kStopSoftness and kStopErp, a stop yields
-// by 1 mrad under the motor's maximum torque of 2.4 Nm. A real end stop, where plastic meets steel, also
-// yields by about 1 mrad under this torque. An iterative solver leaves a residual. At a rigid stop, this
-// residual would make the joint bounce.
+// by 1 mrad under the motor's maximum torque of 2.4 Nm. A real end stop (plastic against steel) also yields
+// by about 1 mrad under this torque. An iterative solver leaves a residual. At a rigid stop, this residual
+// would make the joint bounce.
 constexpr double kStopSoftness = 0.08;
 
 class StagedWorld : public World {
@@ -54,7 +54,7 @@ class StagedWorld : public World {
   // Impulse on a moving link of the robot, applied in the next step.
   struct HandPush {
     std::uint32_t link = 0;
-    // N s, in world axes, at the link's center of mass.
+    // The impulse acts at the link's center of mass. Unit: N s, in world axes.
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
     template <class A>
     void transfer(A& a) {

@@ -51,7 +51,7 @@ struct ContactPoint {
 
 // Convergence and failure of the solver since the start.
 struct SolverDiagnostics {
-  std::string failure;  // one sentence that says why stepping stopped; empty if stepping works
+  std::string failure;  // reason why step() stopped working, one sentence; empty if step() works
   std::int64_t unconverged_steps = 0;
   // Largest residual of a step: remaining velocity change, m/s or rad/s.
   double max_residual = 0;
@@ -113,9 +113,9 @@ class World {
 
   virtual const Scene& scene() const = 0;
   virtual ScenePose pose() const = 0;
-  // Returns the index of the head's frame in ScenePose::frames. The head is the link that carries both links
-  // `left_eye` and `right_eye`. If the robot has no such head, head_frame() returns -1. The optical centers
-  // of the cameras are given in the head's frame (sim/render/camera.h).
+  // Returns the index of the head's frame in ScenePose::frames. The head is the link to which both links
+  // `left_eye` and `right_eye` are fixed. If the robot has no such link, head_frame() returns -1. The optical
+  // centers of the cameras are given in the head's frame (sim/render/camera.h).
   virtual int head_frame() const = 0;
 
   // The following functions return ground truth, for tests, measurements and evaluation only. All poses are

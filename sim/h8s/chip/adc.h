@@ -16,15 +16,15 @@ class Machine;
 
 class Adc {
  public:
-  // Register accesses. `address` has the low 16 bits: ADDRA..ADCR or KBCOMP.
+  // Register accesses. `address` contains only the low 16 bits of the address: ADDRA..ADCR or KBCOMP.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
-  // Like read(), but may only be called if no event is due.
+  // Like read(). Precondition: no event is due.
   std::uint8_t read_now(std::uint32_t address);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   std::uint8_t peek(std::uint32_t address) const;
   void reset(Machine& m, States at);
-  // Clears the flag ADF. Must be called after a DTC activation that has read a result, unless the activation
-  // passes the interrupt to the CPU.
+  // Clears the flag ADF. Must be called after a DTC activation that has read a result. If the activation
+  // passes the interrupt to the CPU, taken_by_dtc() must not be called.
   void taken_by_dtc(Machine& m, States at) {
     adf_.drop(ADCSR::ADF);
     update(m, at);

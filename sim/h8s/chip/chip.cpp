@@ -327,7 +327,8 @@ Result<void> Chip::receive(int sci, const ReceivedByte& byte) {
   const States earliest = queue.empty() ? now() : queue.back().at;
   if (byte.at < earliest)
     return fail("byte received at state " + std::to_string(byte.at) + " lies before state " +
-                std::to_string(earliest) + " (now, or the byte queued last)");
+                std::to_string(earliest) +
+                " (the present state, or the state of the last queued byte)");
   if (machine_->input_log) machine_->log_input([=](Chip& c) { (void)c.receive(sci, byte); });
   queue.push_back(byte);
   machine_->rescheduled(sci == 0 ? Source::sci0 : Source::sci1);

@@ -1,4 +1,5 @@
-// Public interface of the emulator: H8S/2128 with its peripherals, and exact instruction times.
+// Public interface of the emulator. The emulator simulates the H8S/2128 with its peripherals. Instruction
+// times are exact.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -46,8 +47,8 @@ struct Stop {
   }
 };
 
-// Output levels of a port; bit n is pin n. A pin whose bit in `driven` is 0 is an input, and its bit in
-// `level` is 0.
+// Output levels of a port; bit n is pin n. If a pin's bit in `driven` is 0, the pin is an input, and the
+// pin's bit in `level` is 0.
 struct PortOutput {
   std::uint8_t level = 0;
   std::uint8_t driven = 0;
@@ -96,7 +97,7 @@ constexpr ResetCause last_value(ResetCause) {
   return ResetCause::watchdog;
 }
 
-// A register access that the manual forbids, or whose effect the manual leaves undefined. Execution continues
+// A register access that the manual forbids, or whose effect the manual does not define. Execution continues
 // unless Options::stop_on_misuse is set. Repetitions of the same misuse are counted in one entry.
 struct Misuse {
   std::uint32_t address = 0;  // address of the register or memory
@@ -186,7 +187,8 @@ class Chip {
   // Fills RAM with `ram_fill`, sets the time to 0 and resets. In a real chip, the contents of RAM after
   // power-on are random.
   void power_on(std::uint8_t ram_fill = 0xa5);
-  // Pulses the RES pin low in zero time. Keeps RAM and clears an error stop.
+  // Resets the chip by a pulse of zero length at the RES pin. The contents of RAM are kept. If an error has
+  // stopped the chip, the chip can run again.
   void reset();
   // Sets the levels of MD1 and MD0 (Options::mode), which the next reset samples.
   void set_mode_pins(int mode);
@@ -244,7 +246,7 @@ class Chip {
   // Ends run_until or step at the next instruction boundary with Reason::requested. Intended for observers.
   void request_stop();
   // Reports all external input to `log`, for replay by debug/history.h. Null disables the log. `log` must
-  // live until the chip is destroyed or has another log.
+  // live until the chip is destroyed or another log is set.
   void set_input_log(InputLog* log);
 
   // Calls a C function of the image with interrupts masked. The call changes the state of the chip. To leave
@@ -323,8 +325,8 @@ class Chip {
   //
   // If the caller sets `steady`, `source` must have no side effects. With `steady`, a voltage may depend only
   // on the time, the chip's non-serial outputs, and values that are constant during a run. In scan mode with
-  // `steady`, the chip can call `source` later than the time of the sample. The chip never delays this call
-  // beyond the next change of a non-serial output or beyond the end of the run. The chip skips samples whose
+  // `steady`, the chip can call `source` later than the time of the sample. The chip makes this call before
+  // the next change of a non-serial output, and before the end of the run. The chip skips samples whose
   // results the program does not read.
   void set_analog(std::function<double(int channel, States at)> source, bool steady = false);
 

@@ -1,4 +1,5 @@
-// Data transfer controller (DTC): an interrupt request starts a transfer, and the CPU waits for the bus.
+// Data transfer controller (DTC): an interrupt request starts a transfer. During the transfer, the CPU waits
+// for the bus.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -51,7 +52,7 @@ class Dtc {
   bool ended_ = false;       // a software activation is complete and requests its interrupt
   States software_at_ = 0;
   // Data registers that the current activation has accessed. If the activation has not accessed a data
-  // register of the requesting serial channel or converter, the DTC leaves the request flag set.
+  // register of the requesting serial channel or converter, the DTC does not clear the request flag.
   std::array<bool, 2> rdr_read_{}, tdr_written_{};
   bool result_read_ = false;
 };

@@ -15,7 +15,8 @@ class Machine;
 
 class Frt {
  public:
-  // Register accesses. `address` is the low 16 bits: TIER..ICRD. `at` is the end of the bus cycle.
+  // Register accesses. `address` contains only the low 16 bits of the address: TIER..ICRD. `at` is the end of
+  // the bus cycle.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
   void write(Machine& m, std::uint32_t address, std::uint8_t value, States at);
   // Returns the value of the register at the time of the last advance().
@@ -28,7 +29,7 @@ class Frt {
   // Advances count, flags and interrupt requests to the time `to`.
   void advance(Machine& m, States to);
 
-  // Edges at the input capture pins FTIA..FTID (`n` 0..3) and at the clock input FTCI.
+  // Process an edge at the input capture pins FTIA..FTID (`n` 0..3) or at the clock input FTCI.
   void capture_edge(Machine& m, unsigned n, bool rising, States at);
   void clock_edge(Machine& m, States at);
 
@@ -65,7 +66,7 @@ class Frt {
   void update(Machine& m, States at);
 
   std::uint16_t count_ = 0;
-  // Time for which `count_` is valid, in ticks of the timer's clock since Machine::epoch.
+  // Number of the clock tick at which the counter had the value `count_`. Ticks count from Machine::epoch.
   States tick_ = 0;
   StickyFlags flags_;
   std::uint8_t tier_ = TIER::ONE, tcr_ = 0, tocr_ = 0, temp_ = 0;

@@ -33,7 +33,8 @@
 
 namespace kaz::h8s {
 
-// Numbers of the module stop bits in MSTPCR, from their masks in MSTPCRH or MSTPCRL.
+// Returns the number of a module stop bit in MSTPCR. `high` is the bit's mask in MSTPCRH, and `low` is the
+// bit's mask in MSTPCRL. One of the two masks is 0.
 constexpr unsigned mstp(unsigned high, unsigned low = 0) {
   return static_cast<unsigned>(std::countr_zero(high << 8 | low));
 }
@@ -144,8 +145,9 @@ class Machine final : public Bus {
   }
   // Returns whether conversions that request no interrupt may be computed late or skipped.
   bool conversions_wait() const { return steady_analog && !input_log && observers.empty(); }
-  // Compute the delayed conversions: convert_before up to the state before `at`, convert_all up to now. Must
-  // be called before the inputs of these conversions change.
+  // These functions compute the delayed conversions. convert_before() computes the conversions before the
+  // time `at`. convert_all() computes the conversions up to now. Both functions must be called before the
+  // inputs of the delayed conversions change.
   void convert_before(States at) {
     if (conversions_wait()) adc.advance(*this, at - 1);
   }
@@ -162,7 +164,8 @@ class Machine final : public Bus {
 
   // --- memory ------------------------------------------------------------------------------------
 
-  // Returns a pointer to the byte of flash or RAM at `address`, or null if `address` is elsewhere.
+  // Returns a pointer to the byte of flash or RAM at `address`, or null if `address` is outside flash and
+  // RAM.
   std::uint8_t* memory_at(std::uint32_t address);
   const std::uint8_t* memory_at(std::uint32_t address) const;
   std::uint8_t io_read(std::uint32_t address);
@@ -193,7 +196,7 @@ class Machine final : public Bus {
   bool tmo_driven(int timer) const;
   double tmo_high_share(int timer);
 
-  // Returns null unless Options::engine is the translator and this build contains the translator.
+  // Returns null if Options::engine is not the translator, or if this build does not contain the translator.
   const Translator* translator() const { return cpu.translated ? translator_.get() : nullptr; }
 
   std::string report(const std::string& headline) const;
@@ -217,8 +220,9 @@ class Machine final : public Bus {
   Dtc dtc;
   SystemRegisters system;
 
-  // Time at which the prescalers were 0: the time of the last reset plus the time during which the clock was
-  // stopped. sub_epoch: time of the last reset of the subclock's prescalers; the subclock never stops.
+  // `epoch` is the time at which the prescalers were 0: the time of the last reset plus the time during which
+  // the clock was stopped. `sub_epoch` is the time of the last reset of the subclock's prescalers. The
+  // subclock never stops.
   States epoch = 0, sub_epoch = 0;
   ResetCause cause = ResetCause::power_on;
   bool watchdog_reset = false;  // a watchdog has requested a reset
@@ -342,7 +346,7 @@ class Machine final : public Bus {
   static constexpr std::uint32_t kNoAddress = 0xffffffff;
   // Address whose hook has been called but whose instruction has not run.
   std::uint32_t hook_done_ = kNoAddress;
-  // Address of an instruction that runs without a call of the hook at this address.
+  // Address of an instruction that runs without a call of its code hook.
   std::uint32_t unhooked_ = kNoAddress;
   bool first_after_reset_ = false;
   bool standby_ = false, watch_ = false;  // software standby; watch mode

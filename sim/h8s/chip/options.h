@@ -9,7 +9,7 @@
 
 namespace kaz::h8s {
 
-// The defaults follow the manuals of related chips. sim/h8s/README.md and docs/explanation/emulator.md have
+// The defaults follow the manuals of related chips. sim/h8s/README.md and docs/explanation/emulator.md state
 // the evidence for the defaults. Times are in states.
 struct Options {
   Engine engine = Engine::translator;
@@ -53,7 +53,7 @@ struct Options {
   // immediately. While SCK outputs the bit clock, a frame always waits for the next edge of this clock,
   // because TxD changes at the falling edges of SCK.
   bool sci_aligned_start = false;
-  // SCI: if the bits of a byte arrive as levels at RxD, the option selects when the byte becomes available.
+  // SCI: selects when a received byte becomes available, if the bits of the byte arrive as levels at RxD.
   // True: at the sample of the first stop bit. False: at the end of the last stop bit, like a byte from
   // Chip::receive.
   bool sci_ready_mid_stop = false;

@@ -36,7 +36,7 @@ class Sci {
 
   // Register accesses. `offset` is a value of Register.
   std::uint8_t read(Machine& m, unsigned n, unsigned offset, States at);
-  // Like read(), but may only be called if no event is due.
+  // Like read(). Precondition: no event is due.
   std::uint8_t read_now(unsigned offset) {
     if (offset == kSsr) flags_.read();
     return peek(offset);

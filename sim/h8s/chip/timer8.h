@@ -11,7 +11,7 @@
 namespace kaz::h8s {
 
 // Source: hardware manual, 8-bit timers. A match takes effect when the counter leaves the matching value.
-// Therefore a clear on match gives periods of TCOR + 1 counts.
+// Therefore, if the match clears the counter, the period is TCOR + 1 counts.
 struct Timer8 {
   // Flags in TCSR. The bits that enable their interrupts in TCR have the same positions.
   static constexpr std::uint8_t kFlags = TMR_TCSR::CMFB | TMR_TCSR::CMFA | TMR_TCSR::OVF;

@@ -25,7 +25,7 @@ class Tmr {
   void taken_by_dtc(Machine& m, unsigned vector, States at);
   // Must be called after STCR has selected another prescaler.
   void clock_changed(Machine& m, States at);
-  // Edges at TMCI0/1 and TMRI0/1.
+  // Process an edge at the clock input TMCI0/1 or at the reset input TMRI0/1.
   void clock_edge(Machine& m, unsigned n, bool rising, States at);
   void reset_edge(Machine& m, unsigned n, bool rising, States at);
 

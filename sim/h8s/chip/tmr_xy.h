@@ -33,7 +33,8 @@ class TmrXY {
 
   States next_event(const Machine& m) const;
   void advance(Machine& m, States to);
-  // Edge at TMIX or TMIY. Each of these pins is both the clock input and the reset input of a timer.
+  // Processes an edge at TMIX or TMIY. Each of these pins is both the clock input and the reset input of a
+  // timer.
   void pin_edge(Machine& m, unsigned n, bool rising, States at);
 
   // TMRX drives TMOX while any OS bit is set.

@@ -1,4 +1,4 @@
-// Access of instruction handlers to registers, memory and the stack.
+// Functions through which instruction handlers access registers, memory and the stack.
 // SPDX-License-Identifier: Apache-2.0
 //
 // The inline functions serve RAM and flash. If an inline function cannot serve an access, cpu/memory.cpp and

@@ -1,4 +1,4 @@
-// State of the CPU and the decoded instruction, on which all instruction handlers work.
+// State of the CPU, and format of a decoded instruction. All instruction handlers use these two structures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,7 +24,7 @@ struct Insn {
   // instruction to the target, in 16-bit units.
   std::uint32_t imm;
   std::uint8_t rs, rd;  // byte offsets into the register file, bit numbers or vector numbers
-  std::uint8_t states;  // duration in states; Cpu::stall holds additional time
+  std::uint8_t states;  // duration in states; Cpu::stall contains additional time
   std::uint8_t units;   // length in 16-bit units
 };
 static_assert(sizeof(void*) != 8 || sizeof(Insn) == 16);
@@ -46,8 +46,8 @@ inline constexpr std::uint32_t kShortRam = 0x1f00;
 inline constexpr std::uint32_t kShortRamSize = 0x80;
 inline constexpr std::uint32_t kIo = 0x1e50;  // I/O registers, before and after the short RAM
 inline constexpr std::uint32_t kIoSize = 0x1b0;
-// Layout of Cpu::code, in entries: flash, then the two RAM windows. Behind each of these regions are kGap
-// entries that raise a fault.
+// Layout of Cpu::code, in entries: flash, then the two RAM windows. Each region is followed by kGap entries
+// that raise a fault.
 inline constexpr std::uint32_t kGap = 8;
 inline constexpr std::uint32_t kFlashCode = 0;
 inline constexpr std::uint32_t kRamCode = kFlashSize / 2 + kGap;
@@ -96,7 +96,7 @@ struct Cpu {
   std::int64_t executed = 0;  // instructions
 
   std::uint8_t* flash = nullptr;
-  // Memory at address ram_at; the short window is at a higher offset.
+  // Pointer to the memory at address ram_at. The short RAM window is at a higher offset from this pointer.
   std::uint8_t* ram = nullptr;
   std::uint8_t* has_code = nullptr;   // flag for each line (kLine) of RAM; line 0 begins at ram_at
   Insn* code = nullptr;               // decoded instructions

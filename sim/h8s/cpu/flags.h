@@ -1,4 +1,4 @@
-// Arithmetic of 8, 16 and 32 bits that sets the condition codes (programming manual, condition codes).
+// Arithmetic operations on 8, 16 and 32 bits. Each operation sets the condition codes (programming manual).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ using u32 = std::uint32_t;
 template <class T>
 inline constexpr int kBits = 8 * static_cast<int>(sizeof(T));
 
-// Shifts an operand to the top of 32 bits, the format of Flags.
+// Shifts an operand to the top bits of a 32-bit word. The members of Flags have this format.
 template <class T>
 u32 up(u32 value) {
   return value << (32 - kBits<T>);

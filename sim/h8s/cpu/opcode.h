@@ -13,9 +13,10 @@ namespace kaz::h8s {
 // instruction takes I + J + K + L + M + N states.
 struct Counts {
   std::uint8_t i = 1;  // instruction fetches
-  std::uint8_t j =
-      0;  // number of reads of a branch address in advanced mode; half as many in normal mode
-  // Stack accesses in advanced mode; half as many in normal mode, unless `k_fixed` is true.
+  // Number of reads of a branch address in advanced mode. Normal mode has half as many reads.
+  std::uint8_t j = 0;
+  // Number of stack accesses in advanced mode. Normal mode has the same number if `k_fixed` is true, and half
+  // as many accesses if `k_fixed` is false.
   std::uint8_t k = 0;
   std::uint8_t l = 0;  // byte data accesses
   std::uint8_t m = 0;  // word data accesses
@@ -49,7 +50,7 @@ struct Decoded {
 inline constexpr int kMaxUnits = 5;
 
 // Decodes the instruction at the front of `units`. Near the end of memory, `units` may have fewer than
-// kMaxUnits elements. If `normal` is true, the state counts are those of normal mode.
+// kMaxUnits elements. If `normal` is true, the state counts apply to normal mode, otherwise to advanced mode.
 Decoded decode(std::span<const std::uint16_t> units, bool normal);
 // Reads and decodes the instruction at the memory address that Cpu::code[index] stands for. Does not change
 // this entry.
@@ -60,7 +61,7 @@ Decoded decode_at(const Cpu& c, std::uint32_t index);
 // `bytes` receives the instruction's length in bytes and may be null.
 std::string disassemble(std::span<const std::uint16_t> units, std::uint32_t address, int* bytes);
 
-// The rows of the table, by group.
+// Each of these functions returns the rows of one group of the table.
 std::span<const Opcode> move_opcodes();
 std::span<const Opcode> arithmetic_opcodes();
 std::span<const Opcode> shift_opcodes();

@@ -1,4 +1,5 @@
-// Server of GDB's remote protocol for a chip. Maps input bytes to output bytes, without sockets and clock.
+// Server of GDB's remote protocol for a chip. The server converts input bytes to output bytes. It uses
+// neither sockets nor a clock.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -51,11 +51,11 @@ struct Halt {
 struct HistoryOptions {
   // Time, in states, from one snapshot until the next snapshot is taken.
   States spacing = 100'000;
-  // Maximum number of snapshots, 0.2 MB each. If a new snapshot brings the number above this maximum, the
-  // history drops an earlier snapshot. As a result, old snapshots are farther apart than new snapshots.
+  // Maximum number of snapshots, 0.2 MB each. If a new snapshot exceeds this maximum, the history drops an
+  // earlier snapshot. As a result, old snapshots are farther apart than new snapshots.
   std::size_t snapshots = 40;
-  // Maximum number of inputs and A/D samples, about 40 bytes each. Above the maximum, the oldest part of the
-  // history is dropped.
+  // Maximum number of inputs and A/D samples, about 40 bytes each. If the number exceeds the maximum, the
+  // oldest part of the history is dropped.
   std::size_t records = 2'000'000;
 };
 

@@ -22,7 +22,7 @@ class ArmedTriggers final : public Observer {
   ArmedTriggers& operator=(const ArmedTriggers&) = delete;
 
   void accessed(const Access& access) override;
-  // Returns the reason for the end of the run as a Halt. `stop` is the Stop that the run returned.
+  // Returns a Halt that contains the reason for the end of the run. `stop` is the Stop that the run returned.
   Halt halt(const Stop& stop) const;
 
  private:

@@ -47,7 +47,7 @@ struct FlatStop {
 
 // The machine runs in advanced mode and has no I/O registers, no interrupts and no stack check. The addresses
 // 0x000000 to 0xFFFFFF are RAM, which is initially zero. Each access takes as many states as an access to
-// on-chip memory. Addresses wrap at 24 bits. A word access at an odd address uses the even address below.
+// on-chip memory. Addresses wrap at 24 bits. A word access at an odd address A uses the even address A - 1.
 // TRAPA uses the vectors in RAM. Only one thread at a time may use a machine. Different machines are
 // independent.
 //
@@ -89,7 +89,7 @@ class Flat {
   Registers registers() const;
   // Sets the registers. If the program has ended, the next run() continues the program with these registers.
   void set_registers(const Registers& registers);
-  // Reads and writes of RAM. Addresses are taken modulo 2^24.
+  // Read and write RAM. Addresses are taken modulo 2^24.
   std::uint8_t peek(std::uint32_t address) const;
   std::uint16_t peek16(std::uint32_t address) const;
   std::uint32_t peek32(std::uint32_t address) const;

@@ -19,7 +19,7 @@ std::string image(Bytes input);
 // Sends each line of the input as a packet from GDB to a server with a running chip.
 std::string gdb(Bytes input);
 
-// Reads the input as the text of a netlist around a running chip.
+// Parses the input as the text of a netlist that is connected to a running chip.
 std::string netlist(Bytes input);
 
 // Uses the input as flash, RAM and events at the pins, and compares all engines.

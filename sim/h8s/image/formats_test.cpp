@@ -46,7 +46,7 @@ TEST(IntelHex, ErrorsNameLineAndFault) {
   };
   const Case cases[] = {
       {":0100000055AB\n", "t.hex:1: wrong checksum"},
-      {":0100000055AA\n:0200000055AA\n", "t.hex:2: length byte says 2, the line has 1"},
+      {":0100000055AA\n:0200000055AA\n", "t.hex:2: length byte is 2, but the line has 1"},
       {":01000000G5AA\n", "t.hex:1: column 10"},
       {":0100000055A\n", "odd number"},
       {":000000\n", "too short"},

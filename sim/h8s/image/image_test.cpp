@@ -35,7 +35,7 @@ TEST(SRecord, ErrorsNameLineAndFault) {
       {"hello\n", "t.srec:1: not an S-record"},
       {"S107000000001000E8\n", "no end record"},
       {"S9030000FC\n", "no data records"},
-      {"S107000000001000E8\nS5030002FA\n", "record count says 2, the file has 1"},
+      {"S107000000001000E8\nS5030002FA\n", "record count is 2, but the file has 1"},
       {"S107000000001000E8\nS9030000FC\nS9030000FC\n", "t.srec:3: record after the end"},
       {"S101FE\n", "too short"},
       {"S1\n", "not an S-record"},

@@ -1,4 +1,4 @@
-// Netlist around the chip: nets that connect pins, and parts on these nets.
+// Netlist of the circuit around the chip: nets that connect pins, and parts that are connected to these nets.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -61,9 +61,9 @@ class Netlist {
     double pull_up_ohms = 50'000;     // resistance of the chip's internal pull-ups
     double weak_high_ohms = 1'000;    // resistance of P47 and P52 (NMOS push-pull) while high
   };
-  // Watches all pins of the chip that are on nets. If anything other than the chip drives the net of a pin,
-  // the netlist sets the input level of the pin. Becomes the analog source of the chip. `chip` must outlive
-  // this object and must not be moved.
+  // Watches all pins of the chip that are connected to nets. If anything other than the chip drives the net
+  // of a pin, the netlist sets the input level of the pin. Becomes the analog source of the chip. `chip` must
+  // outlive this object and must not be moved.
   explicit Netlist(Chip& chip);
   Netlist(Chip& chip, const Settings& settings);
   ~Netlist();
@@ -87,7 +87,7 @@ class Netlist {
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
-  // Sets the source of voltages for analog inputs that are on no net.
+  // Sets the source of voltages for analog inputs that are not connected to a net.
   void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
   // Returns the voltage of a net; nullopt if the net is not driven. A strong drive overrides all other
@@ -116,8 +116,8 @@ class Netlist {
   // net until drive() is called.
   int output(const Part& part, Net net, const std::string& name);
   void listen(Part& part, Net net);
-  // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving` is true, the function
-  // Part::voltage gives the voltage instead.
+  // Drives the output's net with `voltage` through a resistance of `ohms`. If `moving` is true, the voltage
+  // is the result of Part::voltage instead.
   void drive(int output, double voltage, double ohms = 0, bool moving = false);
   void release(int output);
   // Schedules woken() for `at` and replaces an earlier schedule. To cancel the schedule, set `at` to the

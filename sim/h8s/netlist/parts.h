@@ -66,8 +66,8 @@ class OpenDrain : public Part {
 
 // Low-pass: a resistor, and a capacitor to ground. Between two edges of the input, the output voltage is
 // `v = vin + (v0 - vin) exp(-t / RC)`. The time t begins at the first of these two edges. v0 is the output
-// voltage at t = 0, and vin is the input voltage. The output holds its voltage while the input is not driven.
-// The output must not be loaded. The input must not be driven by a moving voltage (Netlist::drive).
+// voltage at t = 0, and vin is the input voltage. The output voltage stays constant while the input is not
+// driven. The output must not be loaded. The input must not be driven by a moving voltage (Netlist::drive).
 class Rc : public Part {
  public:
   Rc(Net in, Net out, double ohms, double farads)

@@ -26,7 +26,7 @@ struct Part {
 // Returns the part at a byte offset into the register file (Insn::rs, Insn::rd).
 Part part_at(unsigned offset, unsigned size);
 
-// How flags can be recomputed from registers after an instruction.
+// Methods to recompute the flags from registers after an instruction.
 enum class From : std::uint8_t {
   nothing,
   result,  // N and Z from `r`, V is 0

@@ -3,8 +3,9 @@
 //
 // asmjit's JitRuntime maps its memory writable and executable. With its dual mapping, JitRuntime maps the
 // memory twice: one mapping is executable, the other is writable. An attacker who can write to any address
-// can inject code through the writable mapping. Here each page has one mapping, which mprotect makes
-// read-only and executable before the code runs. docs/explanation/emulator.md states the cost of mprotect.
+// can inject code through the writable mapping. In this class, each page has one mapping. Before the code
+// runs, mprotect makes this mapping read-only and executable. docs/explanation/emulator.md states the cost of
+// mprotect.
 #pragma once
 
 #include <cstddef>

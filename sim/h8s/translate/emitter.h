@@ -60,26 +60,26 @@ struct Gate {
   // Exit from translated code. Arguments: edi is the index of the next instruction, esi is the return value.
   const void* leave = nullptr;
   // Subroutine that runs the handler of an instruction. Arguments: rdi is the address of the instruction's
-  // entry in Cpu::code. rsi is Block::bound minus the number of states from the start of the block to the
-  // end of the instruction. Results: kLeft is the return value of run_handler(). The host's flags are the
-  // result of comparing kLeft with 0. If kLeft is 0 or less, Cpu holds the complete state and the block must
-  // be left.
+  // entry in Cpu::code. rsi is Block::bound minus the number of states from the start of the block to the end
+  // of the instruction. Results: kLeft is the return value of run_handler(). The host's flags are the result
+  // of comparing kLeft with 0. If kLeft is 0 or less, Cpu contains the complete state, and the host code must
+  // leave the block.
   const void* interpret = nullptr;
   // Subroutines that only access an I/O register. Arguments: rdi and rsi have the same meaning as for
   // `interpret`. For a store, r15 is the value to store. Results: a load returns the loaded value in edi. If
   // the access has wait states, kLeft is reduced by the number of wait states. After the subroutine, Cpu does
-  // not hold the complete state.
+  // not contain the complete state.
   const void* load8 = nullptr;
   const void* load16 = nullptr;
   const void* store8 = nullptr;
   const void* store16 = nullptr;
-  // Second exit from translated code. Before the jump to this exit, Cpu must hold the complete state. This
+  // Second exit from translated code. Before the jump to this exit, Cpu must contain the complete state. This
   // exit only adds kExecuted to Cpu::executed.
   const void* leave_complete = nullptr;
   // Jump target for an interpreted instruction that ends its block, such as TRAPA. Arguments: rdi and rsi
   // have the same meaning as for `interpret`. Runs the instruction's handler, then the block at the address
-  // in Cpu::ip. If there is no block at this address, jumps to `leave_complete`. If the time Cpu::stop has
-  // come, or if the handler has discarded the translated code, also jumps to `leave_complete`.
+  // in Cpu::ip. If there is no block at this address, jumps to `leave_complete`. Also jumps to
+  // `leave_complete` if the time Cpu::stop is reached, or if the handler has discarded the translated code.
   const void* go_elsewhere = nullptr;
 };
 struct GateLabels {
@@ -89,11 +89,11 @@ void emit_gate(host::Assembler& a, const GateLabels& labels, const Entry* entrie
 
 // Runs the handler of `ip`, with the complete state in `c`. If the CPU must not continue with the next
 // instruction of the block, returns 0. Otherwise returns the number of states from the next instruction to
-// Cpu::stop, minus `rest`. `rest` is the argument rsi of Gate::interpret. A result of 0 or less means that
-// the block must be left.
+// Cpu::stop, minus `rest`. `rest` is the argument rsi of Gate::interpret. If the result is 0 or less, the
+// host code must leave the block.
 std::int64_t run_handler(Cpu& c, const Insn* ip, std::int64_t rest);
 // Runs the handler of `ip`, with the complete state in `c`. The instruction ends its block. Returns the host
-// code of the block at the new address in Cpu::ip, or null if the translated code must be left.
+// code of the block at the new address in Cpu::ip, or null if execution must leave the translated code.
 const void* run_handler_elsewhere(Cpu& c, const Insn* ip, const Entry* entries);
 
 // Emits the blocks of one translation unit. The blocks jump to each other directly. `k` is the index of a

@@ -94,7 +94,7 @@ class GlRenderer final : public Renderer {
       gl_->DeleteRenderbuffers(1, &t.depth);
       return fail(Fault::environment, "OpenGL has no memory for a picture of " +
                                           std::to_string(width) + " x " + std::to_string(height) +
-                                          " samples: request a smaller one");
+                                          " samples: request a smaller picture");
     }
     targets_.push_back(t);
     return &targets_.back();

@@ -15,8 +15,8 @@
 //   haze      = d^2 / (d^2 + haze_m2)
 //   code      = sqrt(mix(light, horizon, haze))
 // Textured surfaces have no highlight. For textured surfaces, c^2 is multiplied by the light of the texture.
-// All points of a textured triangle have the same n. The next formula gives the color code of the background
-// in the unit direction r. In the formula, u is r.z, limited to 0..1:
+// All points of a textured triangle have the same n. The next formula defines the color code of the
+// background in the unit direction r. In the formula, u is r.z, limited to 0..1:
 //   code      = sqrt(mix(horizon, zenith, u (2 - u)))
 #pragma once
 

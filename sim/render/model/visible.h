@@ -24,9 +24,9 @@ struct VisiblePiece {
   bool fine;  // true: the piece is large in the picture, so the fine mesh is drawn
 };
 
-// Returns the pieces whose bounding spheres reach into the view. The order is: first untextured pieces, then
-// textured pieces, then grounds. Each group is ordered from near to far. This order saves time, because most
-// hidden surfaces are drawn after the surfaces that hide them.
+// Returns the pieces whose bounding spheres are at least partly inside the view frustum. The order is: first
+// untextured pieces, then textured pieces, then grounds. Each group is ordered from near to far. This order
+// saves time, because most hidden surfaces are drawn after the surfaces that hide them.
 std::vector<VisiblePiece> visible_pieces(const SceneModel& model, const ScenePose& pose,
                                          const View& view);
 

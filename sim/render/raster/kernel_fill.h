@@ -56,8 +56,8 @@ class Edge {
   std::int64_t column_, rest_, step_, rest_step_, divisor_;
 };
 
-// Calls span(row, first, end) for each row that contains covered sample centers. Sample centers are
-// ignored unless they are in the columns `left .. right - 1` and in the rows `top .. bottom - 1`.
+// Calls span(row, first, end) for each row that contains covered sample centers. Ignores sample centers
+// outside the columns `left .. right - 1` and outside the rows `top .. bottom - 1`.
 template <class Span>
 static inline void scan(const Outline& t, int left, int top, int right, int bottom,
                         const Span& span) {

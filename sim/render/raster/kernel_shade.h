@@ -1,4 +1,5 @@
-// Shading kernels for one instruction set: shade each visible sample once, by the formulas of lighting.h.
+// Shading kernels for one instruction set. The kernels shade each visible sample once, with the formulas of
+// lighting.h.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -185,7 +185,7 @@ KAZ_LANES_INLINE std::uint32_t mask_bits(Ints mask) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
 }
 // Uses eight loads instead of AVX2's gather instruction. The comment on the AVX-512 version of this function
-// gives the reasons.
+// states the reasons.
 KAZ_LANES_INLINE Ints gather_at(const char* from, Ints index, int scale) {
   std::int32_t at[8];
   store(at, index);

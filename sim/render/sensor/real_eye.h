@@ -1,4 +1,4 @@
-// One of the robot's cameras, with the picture that the host receives: rendered, distorted, rectified.
+// One of the robot's cameras. Renders, distorts and rectifies the picture that the host receives.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

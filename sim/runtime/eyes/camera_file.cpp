@@ -98,9 +98,11 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   eye.height = static_cast<int>(height);
   camera.unit = static_cast<std::uint64_t>(unit);
   if (!grows(eye))
-    return fail(Fault::usage, path +
-                                  ": with these \"k1\", \"k2\" and \"k3\", the picture turns "
-                                  "back before its corners; see docs/explanation/vision.md");
+    return fail(
+        Fault::usage,
+        path +
+            ": with these \"k1\", \"k2\" and \"k3\", the distorted "
+            "radius does not increase up to the picture's corners; see docs/explanation/vision.md");
   return camera;
 }
 

@@ -82,9 +82,10 @@ class Eyes {
   Eyes(RenderThread& draws, const CameraFile& camera, const Mounting& mounting, FramePolicy policy,
        Keep keep, std::uint64_t seed = 1);
 
-  // Exposes a pair if an exposure is due. Call this function at the end of each step. Exposure `n` is due at
-  // the simulated time `n / rate_hz`, rounded to a whole millisecond. The function calls `pose` only if an
-  // exposure is due. If an earlier rendering has failed, the function returns the error of that rendering.
+  // Exposes a picture pair if an exposure is due. Call this function at the end of each step. Exposure `n` is
+  // due at the simulated time `n / rate_hz`, rounded to a whole millisecond. The function calls `pose` only
+  // if an exposure is due. If an earlier rendering has failed, the function returns the error of that
+  // rendering.
   Result<void> look(Time now, const std::function<ScenePose()>& pose);
   // Removes and returns the next pair that has reached the host by `now`. At most 8 exposed pairs wait for
   // the host. If 8 pairs are waiting at the next exposure, the oldest waiting pair is dropped.

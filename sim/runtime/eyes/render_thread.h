@@ -1,4 +1,5 @@
-// Renders all pictures of a simulation, one job after the other, in its own thread.
+// Renders all pictures of a simulation, one job after the other. The jobs run in a separate thread, or in the
+// thread that steps the simulation (enum Drawing).
 // SPDX-License-Identifier: Apache-2.0
 //
 // The first job starts the renderer. A simulation without pictures therefore never starts the renderer.
@@ -20,8 +21,8 @@ namespace kaz::sim {
 
 using RendererFactory = std::function<Result<std::unique_ptr<Renderer>>()>;
 
-// Thread that renders: a separate thread, or the thread that steps the simulation. `caller` suits programs
-// that simulate many robots and therefore already use all processors.
+// Thread that renders: a separate thread, or the thread that steps the simulation. Use `caller` in programs
+// that simulate many robots, because these programs already use all processors.
 enum class Drawing { own_thread, caller };
 
 class RenderThread {

@@ -80,8 +80,8 @@ struct Marker {
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Rgb color = {};
   // Name of the texture (Visual::texture). The name is written to the message field `text`. ROS uses the
-  // field `text` only for text markers. Kaz creates no text markers, so the field `text` can hold the name of
-  // the texture.
+  // field `text` only for text markers. Kaz creates no text markers, so the field `text` can contain the name
+  // of the texture.
   std::string texture;
   bool removes_all = false;
 };

@@ -1,10 +1,10 @@
 // Serves a servo bus to other processes (`kaz sim --bus`), paced by the wall clock.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The port is a pty with a control socket beside it (bus_commands.h). The servos receive bytes at the bit
-// rate that the host has set. Like a real USB adapter, the server first collects the bytes of a reply. When
-// the wire becomes idle, or when 64 bytes are collected, the server passes the bytes to the host. The host
-// gets each byte of a reply only after the end of this byte on the wire.
+// A pty serves as the host's serial port. A control socket receives commands (bus_commands.h). The servos
+// receive bytes at the bit rate that the host has set. Like a real USB adapter, the server first collects the
+// bytes of a reply. When the wire becomes idle, or when 64 bytes are collected, the server passes the bytes
+// to the host. The host gets each byte of a reply only after the end of this byte on the wire.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// Control socket for commands that a pty cannot carry: reset, mode pins, power, faults and status. Each
-// request is one line. Each reply is one JSON object.
+// Control socket for commands that cannot be sent through a pty: reset, mode pins, power, faults and status.
+// Each request is one line. Each reply is one JSON object.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -26,8 +26,8 @@ Result<void> ClockStream::feed(std::span<const std::uint8_t> bytes) {
     std::memcpy(&time, part_.data(), sizeof time);
     if (time < 0 || time > kLatestTime)
       return fail(Fault::environment, "the followed clock sent " + std::to_string(time) +
-                                          " ns, which is no time since a machine's start: 8 bytes "
-                                          "little-endian are expected");
+                                          " ns, which is not a valid time since boot: 8 "
+                                          "little-endian bytes are expected");
     if (latest_ && Time(time) < *latest_)
       return fail(Fault::environment, "the followed clock went back by " +
                                           std::to_string(latest_->count() - time) +

@@ -1,8 +1,8 @@
 // Paces a simulation by the clock of another machine instead of the clock of this machine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The other machine is a virtual machine with host programs (tests/system/guest). An emulated processor is
-// slower than a real processor, and the clock of a virtual machine may stand still during computations. A
+// The other machine is a virtual machine that runs host programs (tests/system/guest). An emulated processor
+// is slower than a real processor, and the clock of a virtual machine may stand still during computations. A
 // world that is paced by this machine's clock would run ahead of the virtual machine. The board's link
 // watchdog would then expire although the host is on time by the clock of the virtual machine.
 //

@@ -33,7 +33,7 @@ void HostWatch::presence(Time now, bool present, long baud) {
     baud_ = baud;
     if (baud != 115200)
       say("host set " + port_ + " to " +
-          (baud == 0 ? "an odd speed" : std::to_string(baud) + " baud") +
+          (baud == 0 ? "an invalid bit rate" : std::to_string(baud) + " baud") +
           "; the firmware uses 115200 baud and receives damaged bytes; boot mode uses 9600 baud");
   }
 }

@@ -35,7 +35,7 @@ class Pty {
   // a host sets with the termios2 flag BOTHER.
   long rate() const;
   // Waits until the host has written bytes, but not longer than `length`. If no host is present, the wait
-  // takes `length`. A signal may end the wait early.
+  // lasts `length`. A signal may end the wait early.
   void wait(Time length, bool host_present) const;
   // Reads bytes from the host. Returns the number of bytes read.
   std::size_t read(std::span<std::uint8_t> bytes);

@@ -2,8 +2,8 @@
 // machine.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The serial line is a pty with a control socket beside it. A Unix socket delivers stereo pairs
-// (docs/reference/simulator.md).
+// A pty serves as the host's serial port. A control socket receives commands (control_server.h). A Unix
+// socket delivers stereo pairs (docs/reference/simulator.md).
 #pragma once
 
 #include <atomic>

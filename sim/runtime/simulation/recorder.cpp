@@ -19,26 +19,27 @@ namespace kaz::sim {
 namespace {
 
 constexpr char wire_schema[] =
-    "# Bytes whose last stop bit passed within one millisecond, which ends at the message's time.\n"
+    "# Bytes whose stop bit ended in the millisecond before the message's time.\n"
     "uint8[] value\n"
-    "uint16[] state  # time from 1 ms before the message's time to the byte's stop bit, in crystal "
-    "periods\n"
+    "uint16[] state  # end of the stop bit: crystal periods since 1 ms before the message's time\n"
     "uint8[] framing_error\n";
 constexpr char pins_schema[] =
-    "# High counts out of 256 of the PWM pins, levels of the ports without multiplexer selects.\n"
+    "# pw and tmo: high counts of the PWM pins, out of 256. p3 to p6: levels of the ports. The\n"
+    "# multiplexer select bits of p4 are always 0.\n"
     "uint16[16] pw\nuint16[2] tmo\nuint8 p3\nuint8 p4\nuint8 p5\nuint8 p6\n";
 constexpr char analog_schema[] =
-    "# A/D codes 0..1023 of one tick of the firmware, by multiplexer * 8 + input.\n"
+    "# A/D codes (0 to 1023) that one firmware tick used. Index: 8 * multiplexer + input.\n"
     "uint32 tick\nuint16[24] code\n";
 constexpr char joints_schema[] =
-    "# True joint states, by joint number: rad, Nm, temperature of the motor's winding.\n"
+    "# True states of the joints, indexed by joint number: angle in rad, torque in Nm, and\n"
+    "# temperature of the motor's winding.\n"
     "float64[18] angle\nfloat64[18] torque\nfloat64[18] winding_celsius\n";
 constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
 constexpr char supply_schema[] =
-    "# What the board's supply gives, and what the motors draw from it.\n"
+    "# Supply voltage at the board (V), and current that the motors draw (A).\n"
     "float64 volts\nfloat64 amperes\n";
 constexpr char contacts_schema[] =
-    "# Where shapes touch: every 10 ms, the contacts of the millisecond that ends then.\n"
+    "# Contacts between shapes in the millisecond before the message's time, every 10 ms.\n"
     "kaz/Contact[] contacts\n"
     "================================================================================\n"
     "MSG: kaz/Contact\n"
@@ -46,8 +47,9 @@ constexpr char contacts_schema[] =
     "float64[3] at     # world frame, m\n"
     "float64[3] force  # force on the shape in field `a`, N\n";
 constexpr char link_forces_schema[] =
-    "# What everything but the robot itself does to its links, mean of the millisecond that ends\n"
-    "# then; of the links that touch something. In the link's axes.\n"
+    "# External contact forces on the robot's links, in the link's axes. Each value is the mean\n"
+    "# over the millisecond before the message's time. Contacts between two links of the\n"
+    "# robot are not included. Only links in contact are listed.\n"
     "kaz/LinkForce[] links\n"
     "================================================================================\n"
     "MSG: kaz/LinkForce\n"
@@ -57,22 +59,21 @@ constexpr char link_forces_schema[] =
     "float64[3] centre  # center of pressure, in the link's frame, m\n"
     "float64 pressure   # sum of the normal forces, N\n";
 constexpr char joint_loads_schema[] =
-    "# What each joint bears, from parent to child, by joint number, three numbers each: every\n"
-    "# 10 ms, of the millisecond that ends then. At the joint's origin, in the child's axes; "
-    "along\n"
-    "# the joint's axis the moment is motor and stop.\n"
+    "# Force and moment that the parent link exerts on the child link of each joint, in the\n"
+    "# millisecond before the message's time, every 10 ms. Each joint has three numbers, in the\n"
+    "# order of the joint numbers. The moment is about the joint's origin. Vectors are in the\n"
+    "# child's axes. Along the joint's axis, the moment is the torque of motor and stop.\n"
     "float64[54] force   # N\n"
     "float64[54] moment  # Nm\n";
 constexpr char eyes_schema[] =
-    "# XXH3 (128 bits) of the RGB bytes of a stereo pair; the message's time is\n"
-    "# the exposure.\n"
+    "# XXH3-128 digests of the RGB bytes of a stereo pair. The message's time is the exposure.\n"
     "uint64 sequence\n"
     "string left_xxh3\n"
     "string right_xxh3\n";
 // As ROS has it, so that viewers show the pictures.
 constexpr char picture_schema[] =
-    "# As the host gets it, rectified; 8-bit RGB without loss. The message's time is its arrival\n"
-    "# at the host, the stamp its exposure, seq the pair's number.\n"
+    "# Rectified picture as the host receives it: 8-bit RGB, lossless. The message's time is the\n"
+    "# arrival at the host. The header's stamp is the exposure, and its seq is the pair's number.\n"
     "std_msgs/Header header\nstring format\nuint8[] data\n"
     "================================================================================\n"
     "MSG: std_msgs/Header\n"
@@ -94,23 +95,25 @@ constexpr char picture_schema[] =
   "MSG: geometry_msgs/Quaternion\n"                          \
   "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
 constexpr char map_schema[] =
-    "# Probabilities of an obstacle, %; -1: unknown. Row by row, x fastest.\n"
+    "# Probability of an obstacle, in %; -1: unknown. Row-major order, with x along each row.\n"
     "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data\n" KAZ_ROS_HEADER
         KAZ_ROS_SEPARATOR
     "MSG: nav_msgs/MapMetaData\n"
     "time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
     "geometry_msgs/Pose origin\n" KAZ_ROS_POSE;
 constexpr char path_schema[] =
-    "# Corners, from start to goal; none: there is no path.\n"
+    "# Corners of the path, from start to goal. The list is empty if there is no path.\n"
     "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n" KAZ_ROS_HEADER KAZ_ROS_SEPARATOR
     "MSG: geometry_msgs/PoseStamped\n"
     "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_POSE;
 constexpr char pose_schema[] =
-    "# Where the robot takes itself to be: midway between its feet.\n"
+    "# Estimated pose of the robot: the point midway between its feet.\n"
     "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_HEADER KAZ_ROS_POSE;
-constexpr char fault_schema[] = "# A fault that begins, or was asked for.\nstring line\n";
+constexpr char fault_schema[] =
+    "# Fault that begins, as a line of a fault schedule.\nstring line\n";
 constexpr char hand_schema[] =
-    "# What was done by hand, from the step on that begins then.\nstring line\n";
+    "# Manual action. It takes effect in the step that begins at the message's time.\n"
+    "string line\n";
 constexpr char behavior_schema[] = R"({"type": "object"})";
 
 // The beginning of std_msgs/Header: seq and stamp.

@@ -1,4 +1,4 @@
-// Records all signals between the parts of the robot to an MCAP file, with simulated time only.
+// Records all signals between the parts of the robot to an MCAP file. All time stamps are simulated times.
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/reference/recording.md describes the channels.

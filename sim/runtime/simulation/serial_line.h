@@ -42,7 +42,7 @@ class SerialLine {
   // Removes and returns the bytes that arrive at the board by `until`.
   std::vector<SerialByte> take_for_board(States until);
 
-  // Queues bytes that the board has sent, ordered by time.
+  // Queues bytes that the board has sent. `bytes` must be sorted by time.
   void from_board(std::span<const SerialByte> bytes);
   // Moves the bytes whose stop bit has ended by `now` into `bytes`. Returns the number of moved bytes.
   std::size_t read(std::span<std::uint8_t> bytes, States now);

@@ -171,7 +171,7 @@ Result<Simulation::Start> Simulation::keep() {
   StateWriter to;
   start.chip = board_.keep(to);
   transfer(to);
-  if (!to.good()) return fail(Fault::failed, "the simulation cannot be kept: " + to.error());
+  if (!to.good()) return fail(Fault::failed, "the simulation cannot be copied: " + to.error());
   start.rest = std::move(to.bytes());
   return start;
 }

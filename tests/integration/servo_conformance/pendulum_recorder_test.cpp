@@ -132,9 +132,9 @@ TEST(PendulumRecorder, ATorqueThatStaysOnEndsItAndIsNamed) {
   ASSERT_FALSE(record);
   EXPECT_EQ(bus->servo(0).registers().get("torque_enable"), 1);
   EXPECT_NE(
-      record.error().message.find("may hold, its torque is not confirmed to be off: cut its "
-                                  "power; and servo 1 on bus was not fully restored: its torque is "
-                                  "not confirmed to be off: cut its power"),
+      record.error().message.find("may still hold the arm, because its torque is not confirmed to "
+                                  "be off: cut its power; and servo 1 on bus was left in a changed "
+                                  "state: its torque is not confirmed to be off: cut its power"),
       std::string::npos)
       << record.error().message;
 }

@@ -126,7 +126,7 @@ TEST(CalibrateJoints, ByAGaugeWhatCannotBeSoIsNotStored) {
   EXPECT_EQ(report["stored"], false);
   EXPECT_EQ(report["outcome"], "failed");
   EXPECT_EQ(report["joints"][0]["good"], false);
-  EXPECT_NE(report["joints"][0]["fault"].get<std::string>().find("at 45.0 deg by the gauge"),
+  EXPECT_NE(report["joints"][0]["fault"].get<std::string>().find("at the gauge angle 45.0 deg"),
             std::string::npos);
   EXPECT_FALSE(fs::exists(memory));
 

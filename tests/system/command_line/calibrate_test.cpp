@@ -190,7 +190,7 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
   const Finished wrong = run(kaz({"vision", "run", "--left", folder / "right02.jpg", "--right",
                                   folder / "left02.jpg", "--calibration", folder / "stereo.yml",
                                   "--modules", "depth", "--out", folder / "wrong"}));
-  EXPECT_NE(wrong.out.find("left and right look exchanged"), std::string::npos) << wrong.out;
+  EXPECT_NE(wrong.out.find("left and right seem exchanged"), std::string::npos) << wrong.out;
 
   // Three of them, of which the first and the last hardly differ either way: a pattern that repeats.
   copy_pairs(folder.path(), {"03"});
@@ -198,7 +198,7 @@ TEST(Calibrate, TheBoardIsAPlaneInTheDepthOfItsPhotographs) {
                                   folder / "left0[1-3].jpg", "--calibration", folder / "stereo.yml",
                                   "--modules", "depth", "--out", folder / "wrong", "--json"}));
   EXPECT_EQ(three.exit_code, 0) << three.err;
-  EXPECT_NE(three.out.find("left and right look exchanged"), std::string::npos) << three.out;
+  EXPECT_NE(three.out.find("left and right seem exchanged"), std::string::npos) << three.out;
   const Finished as_named =
       run(kaz({"vision", "run", "--left", folder / "left0[1-3].jpg", "--right",
                folder / "right0[1-3].jpg", "--calibration", folder / "stereo.yml", "--modules",

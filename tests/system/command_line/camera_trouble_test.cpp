@@ -123,8 +123,8 @@ class CameraTrouble : public ::testing::Test {
 };
 
 TEST_F(CameraTrouble, SilenceIsTheMachinesAndNamesTheCamera) {
-  for (const auto& [passes, missing] : {std::pair{Passes::header, "the next one"},
-                                        {Passes::three_pairs, "the next one"},
+  for (const auto& [passes, missing] : {std::pair{Passes::header, "the next pair"},
+                                        {Passes::three_pairs, "the next pair"},
                                         {Passes::then_one_eye, "the right picture"}}) {
     const Relay relay(folder_ / "eyes", folder_ / "relay", passes);
     const Finished run_ended = run(behavior("60", folder_ / "run"), seconds(30));
@@ -133,7 +133,8 @@ TEST_F(CameraTrouble, SilenceIsTheMachinesAndNamesTheCamera) {
     const std::string camera = "camera " + (folder_ / "relay");
     for (const auto& [ended, why] :
          {std::pair{run_ended, "no image came for 2 s: check " + camera},
-          std::pair{seen, camera + " stopped: no pair came for 5 s, " + missing + " is missing"}}) {
+          std::pair{seen, camera + " stopped: no complete pair came for 5 s, because " + missing +
+                              " is missing"}}) {
       EXPECT_EQ(ended.exit_code, 3) << ended.err;
       EXPECT_NE(ended.err.find(why), std::string::npos) << ended.err;
     }
@@ -158,9 +159,9 @@ TEST_F(CameraTrouble, SwappedCamerasAreReportedOfTheWholeRun) {
                                  "--modules", "color", "--out", folder_ / "seen"}),
                             seconds(30));
   EXPECT_EQ(seen.exit_code, 0) << seen.err;
-  EXPECT_NE(seen.out.find("warning: left and right look exchanged"), std::string::npos) << seen.out;
+  EXPECT_NE(seen.out.find("warning: left and right seem exchanged"), std::string::npos) << seen.out;
   const Finished ran = run(behavior("3", folder_ / "run"), seconds(60));
-  EXPECT_NE(ran.out.find("warning: left and right look exchanged"), std::string::npos)
+  EXPECT_NE(ran.out.find("warning: left and right seem exchanged"), std::string::npos)
       << ran.out << ran.err;
   const json result = parse_json(read_file(folder_ / "run/result.json"));
   EXPECT_NE(result["warning"].get<std::string>().find("exchanged"), std::string::npos);

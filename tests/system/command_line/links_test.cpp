@@ -104,7 +104,7 @@ TEST_F(Links, ServePortReachesTheBoardByRfc2217AndRaw) {
   EXPECT_EQ(status("tcp:" + at)["motors"], "off");
   const Finished wrong = run(kaz({"status", "--port", "rfc2217:" + at}));
   EXPECT_EQ(wrong.exit_code, 3);
-  EXPECT_NE(wrong.err.find("does not speak RFC 2217: give tcp:" + at), std::string::npos)
+  EXPECT_NE(wrong.err.find("does not support RFC 2217: give tcp:" + at), std::string::npos)
       << wrong.err;
   expect_end(server);
   const Finished refused = run(kaz({"status", "--port", "tcp:" + at}));

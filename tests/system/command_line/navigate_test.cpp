@@ -61,7 +61,7 @@ TEST(Navigate, SaysThatItHardlySeesTheFloor) {
   const Finished finished = run(kaz({"run", "navigate", "--world", folder / "plain.sdf", "--goal",
                                      "0.5,0.12", "--eyes", "real", "--mcu", "native"}));
   EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
-  EXPECT_NE(finished.out.find(" m2 of floor was seen: add light, or texture to a plain"),
+  EXPECT_NE(finished.out.find(" m2 of floor was seen: add light, or put a texture on a plain"),
             std::string::npos)
       << finished.out;
 }
@@ -190,7 +190,7 @@ TEST(Navigate, RefusesWorldsThatAreNone) {
     std::vector<std::string> words;
     const char* sentence;
   } cases[] = {
-      {{"navigate", "--worlds", "clutter,maze"}, "'maze' is not a kind of world: use one of all, "},
+      {{"navigate", "--worlds", "clutter,maze"}, "'maze' is not a kind of world: use one of these: all, "},
       {{"navigate", "--worlds", "all,dark"}, "--worlds: a value is in the list twice"},
       {{"navigate", "--density", "0.5", "1.5"}, "--density"},
       {{"navigate", "--worlds", "corridor", "--obstacles", "4"}, "--obstacles is only valid in"},

@@ -59,7 +59,7 @@ TEST(OwnBehavior, NamesTheJointsThatAnotherRobotLacks) {
       run_plugin(kModules + "/wave.so", {"--robot-file", "sim/robots/arm/arm.urdf"});
   EXPECT_EQ(refused.exit_code, 2) << refused.out << refused.err;
   for (const char* text : {"wave moves r_sh_pitch, r_sh_roll, r_elbow", "has only turn, shoulder",
-                           "written for these joints, or `stand`"})
+                           "use a behavior for this robot's joints, or `stand`"})
     EXPECT_NE(refused.err.find(text), std::string::npos) << text << "\n" << refused.err;
 }
 

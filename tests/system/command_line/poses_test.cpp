@@ -74,7 +74,8 @@ TEST(Poses, AJointThatDoesNotFollowIsNoSuccess) {
                                    "native", "--faults", folder / "faults"}),
                               std::chrono::seconds(100));
   EXPECT_EQ(played.exit_code, 1) << played.out << played.err;
-  EXPECT_NE(played.out.find("were not followed: largest error on the way: "), std::string::npos)
+  EXPECT_NE(played.out.find("were not followed; largest error during the motion: "),
+            std::string::npos)
       << played.out << played.err;
   EXPECT_NE(played.out.find(" degrees (r_sh_pitch, after "), std::string::npos)
       << played.out << played.err;

@@ -87,7 +87,8 @@ TEST_F(RecoverVerb, ABoardAtAnotherAddressIsNamedReachedAndBroughtBack) {
   const Finished lost = run(kaz({"status", "--port", port()}));
   EXPECT_EQ(lost.exit_code, 3) << lost.out << lost.err;
   EXPECT_NE(lost.err.find("no board answers at address 1"), std::string::npos) << lost.err;
-  EXPECT_NE(lost.err.find("give --address 3, or move it with `kaz recover"), std::string::npos)
+  EXPECT_NE(lost.err.find("give --address 3, or move that board with `kaz recover"),
+            std::string::npos)
       << lost.err;
   const Finished reached = run(kaz({"status", "--port", port(), "--address", "3"}));
   EXPECT_EQ(reached.exit_code, 0) << reached.out << reached.err;

@@ -267,8 +267,8 @@ TEST_F(Cameras, PicturesThatAreNeverPairsStopAfterTheStatedTime) {
   const auto camera = open({kLeft, kRight, 25, {}}, {Time(1), 1s});  // of two clocks, a nanosecond
   ASSERT_TRUE(camera);
   EXPECT_EQ(watch(*camera, 1, 10s).error,
-            "cameras /dev/video0 and /dev/video1 stopped: pictures come, but for 1 s no two were "
-            "valid and at most 1e-06 ms apart; try another format or fps");
+            "cameras /dev/video0 and /dev/video1 stopped: pictures come, but for 1 s there was "
+            "no valid pair with at most 1e-06 ms between its pictures; try another format or fps");
   EXPECT_GT(camera->statistics().without_partner, 10u);  // of about 50
 }
 

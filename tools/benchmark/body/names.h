@@ -1,4 +1,4 @@
-// Loads and steppers that the benchmark of the body measures. To add a stepper, add a string here.
+// Loads and steppers of the dynamics benchmark. To add a stepper, add a string here.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A stepper is a method that computes the physics steps. The stepper "mujoco" (tools/benchmark/mujoco) is

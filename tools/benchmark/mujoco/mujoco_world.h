@@ -1,14 +1,15 @@
-// Robot and other bodies in MuJoCo, only for the benchmark of the body.
+// Robot and other bodies in MuJoCo, only for the dynamics benchmark.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files, masses, shapes, motor model and loop are the same as for the other steppers. The solver is Newton's
-// method on MuJoCo's convex model of contacts, with elliptic cones. Differences from the other steppers:
+// Files, masses, shapes, motor model and position loops are the same as for the other steppers. The solver is
+// Newton's method on MuJoCo's convex model of contacts, with elliptic cones. Differences from the other
+// steppers:
 // - Contacts and stops are modeled by MuJoCo's springs and dampers (mujoco_model.cpp).
-// - The friction coefficient of a contact is the larger one of its two surfaces.
+// - The friction coefficient of a contact is the larger coefficient of the two surfaces.
 // - The gear has no backlash.
 // - The simulation of resting bodies is never suspended, because Debian's version of MuJoCo has no islands.
-// The poses are the poses at the beginning of the last step, because mj_step() does not update the poses
-// after the step.
+// All poses are from the beginning of the last step, because mj_step() does not update the poses after the
+// step.
 #pragma once
 
 #include <memory>

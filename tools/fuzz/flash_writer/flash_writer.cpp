@@ -287,7 +287,7 @@ std::optional<std::string> try_flash_writer(std::span<const std::uint8_t> bytes)
 std::string flash_writer_text(std::span<const std::uint8_t> bytes) {
   std::string text;
   const auto complaint = Case(bytes, &text).run();
-  return text + (complaint ? *complaint : "nothing wrong") + "\n";
+  return text + (complaint ? *complaint : "no fault found") + "\n";
 }
 
 }  // namespace kaz::fuzz

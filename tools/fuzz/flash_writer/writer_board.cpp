@@ -44,7 +44,7 @@ h8s::Chip booted() {
     byte.value = value;
     byte.at = chip.now() + 10 * bit;
     byte.bit_states = bit;
-    if (!chip.receive(0, byte)) give_up("boot mode does not accept a byte");
+    if (!chip.receive(0, byte)) give_up("the chip does not accept a byte in boot mode");
     chip.run_until(byte.at + 25 * bit);
     return came.empty() ? -1 : int{came.front()};
   };
@@ -56,10 +56,10 @@ h8s::Chip booted() {
   put_number(bytes, size, 2);
   bytes.insert(bytes.end(), writer_program().begin(), writer_program().begin() + size);
   for (const std::uint8_t byte : bytes) {
-    if (exchange(byte) != byte) give_up("boot mode does not echo its program");
+    if (exchange(byte) != byte) give_up("the chip does not echo the program in boot mode");
   }
   chip.run_until(chip.now() + kClock / 2);
-  if (chip.in_boot_rom()) give_up("boot mode does not start its program");
+  if (chip.in_boot_rom()) give_up("the chip does not start the program after boot mode");
   chip.on_transmit({});
   return chip;
 }
@@ -103,7 +103,7 @@ const std::vector<std::uint8_t>& writer_program() {
   static const std::vector<std::uint8_t> bytes = [] {
     std::ifstream file(KAZ_WRITER, std::ios::binary);
     std::vector<std::uint8_t> read{std::istreambuf_iterator<char>(file), {}};
-    if (read.size() < 64) give_up("no writer in " KAZ_WRITER);
+    if (read.size() < 64) give_up("no flash writer in " KAZ_WRITER);
     return read;
   }();
   return bytes;

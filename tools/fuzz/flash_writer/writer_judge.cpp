@@ -91,7 +91,7 @@ void WriterJudge::judge(const WriterAnswer& answer) {
                std::to_string(answer.payload.size()) + " bytes");
     return;
   }
-  std::string why = "no such request";
+  std::string why = "no request matches this answer";
   // The latest first: earlier ones may have been lost.
   for (auto place = requests_.rbegin(); place != requests_.rend(); ++place) {
     Request& request = place->second;
@@ -111,14 +111,14 @@ void WriterJudge::judge(const WriterAnswer& answer) {
 std::string WriterJudge::fault(const Request& request, const WriterAnswer& answer) {
   const auto plain = [&](std::uint8_t wanted) {
     if (answer.status() != wanted) return "expected " + status(wanted);
-    return answer.payload.size() == 2 ? std::string() : "a payload that is too long";
+    return answer.payload.size() == 2 ? std::string() : "the payload is too long";
   };
   const auto is = [&](const Bytes& wanted) {
     if (answer.status() != KZ_WRITER_OK) return "expected " + status(KZ_WRITER_OK);
     return std::equal(answer.payload.begin() + 2, answer.payload.end(), wanted.begin(),
                       wanted.end())
                ? std::string()
-               : "other contents than expected";
+               : "the contents differ from the expected contents";
   };
   const std::size_t length = request.payload.size();
   const std::uint32_t address = request.number_at(0, 4);
@@ -172,10 +172,10 @@ std::string WriterJudge::fault(const Request& request, const WriterAnswer& answe
 
 std::string WriterJudge::write_fault(const Request& request, const WriterAnswer& answer) {
   const std::uint32_t address = request.number_at(0, 4);
-  if (answer.payload.size() != 4) return "a payload that does not have 4 bytes";
+  if (answer.payload.size() != 4) return "the payload does not have 4 bytes";
   if (request.payload.size() < 4 || (request.payload.size() - 4) % kLine != 0 ||
       address % kLine != 0) {
-    if (answer.status() != KZ_WRITER_ARGUMENTS) return "expected ARGUMENTS";
+    if (answer.status() != KZ_WRITER_ARGUMENTS) return "expected the status ARGUMENTS";
     // Without a whole address there is no line to name.
     return request.payload.size() < 4 ? "" : line_fault(address, answer);
   }
@@ -186,7 +186,7 @@ std::string WriterJudge::write_fault(const Request& request, const WriterAnswer&
 std::string WriterJudge::line_fault(std::uint32_t wanted, const WriterAnswer& answer) {
   const auto low = static_cast<std::uint32_t>(answer.payload[2] << 8 | answer.payload[3]);
   if (low == (wanted & 0xffff)) return "";
-  return "it names the line " + hex(low) + " instead of " + hex(wanted);
+  return "the answer names the line " + hex(low) + " instead of " + hex(wanted);
 }
 
 std::string WriterJudge::ram_fault(const Request& request, const WriterAnswer& answer) {
@@ -201,7 +201,7 @@ std::string WriterJudge::ram_fault(const Request& request, const WriterAnswer& a
                          writer_program().begin() + (from - kWriterRam))) {
     wanted = KZ_WRITER_PROTECTED;
   }
-  if (answer.status() != wanted) return "expected " + status(wanted) + " of " + hex(from);
+  if (answer.status() != wanted) return "expected " + status(wanted) + " for the line " + hex(from);
   const std::string fault = line_fault(from, answer);
   if (fault.empty() && wanted == KZ_WRITER_OK) filled_ = std::max(filled_, to);
   return fault;
@@ -227,7 +227,7 @@ std::string WriterJudge::flash_fault(const Request& request, const WriterAnswer&
       at += kLine;
     }
   }
-  if (answer.status() != wanted) return "expected " + status(wanted) + " of " + hex(at);
+  if (answer.status() != wanted) return "expected " + status(wanted) + " for the line " + hex(at);
   return line_fault(at, answer);
 }
 
@@ -287,15 +287,16 @@ void WriterJudge::judge_flash() {
     if (!is_protected(kBlocks[block])) continue;
     if (statistics.blocks[block].erase_pulses != statistics_before_.blocks[block].erase_pulses ||
         statistics.blocks[block].program_pulses != statistics_before_.blocks[block].program_pulses)
-      complain("a pulse went to the protected block EB" + std::to_string(block));
+      complain("an erase or program pulse was applied to the protected block EB" +
+               std::to_string(block));
   }
   if (statistics.errors != statistics_before_.errors)
-    complain("the flash's error protection acted");
+    complain("the flash's error protection was triggered");
 }
 
 void WriterJudge::finish() {
   look();
-  if (complaint_.empty() && !alive()) complain("it no longer answers requests");
+  if (complaint_.empty() && !alive()) complain("the writer no longer answers requests");
   judge_program();
   judge_flash();
   const auto& misuse = board_.chip().misuse();

@@ -221,7 +221,7 @@ Complaint try_arguments(Bytes bytes) {
     return "an invalid port";
   } else if (const auto again = tools::parse_port(port->name());
              !again || again->name() != port->name()) {
-    return "the name of a port names another port";
+    return "a port's name is parsed as a different port";
   }
   if (const auto source = host::parse_v4l2_source(text); !source) {
     if (auto wrong = judge_error(source.error(), "v4l2:")) return wrong;
@@ -231,19 +231,19 @@ Complaint try_arguments(Bytes bytes) {
   if (const auto modules = tools::parse_modules(text); !modules) {
     if (auto wrong = judge_error(modules.error(), "--modules")) return wrong;
   } else if (modules->empty()) {
-    return "no modules";
+    return "the list of modules is empty";
   }
-  constexpr behavior::Option kOptions[] = {
-      {"seconds", "10", "", 0, 100, "how long"},
-      {"end", "keep", "keep|home", 0, 0, "what then"},
-      {"goal", "1,0", "X,Y or ball", 0, 0, "where to", false, behavior::is_navigation_goal}};
+  constexpr behavior::Option kOptions[] = {{"seconds", "10", "", 0, 100, "duration, s"},
+                                           {"end", "keep", "keep|home", 0, 0, "posture at the end"},
+                                           {"goal", "1,0", "X,Y or ball", 0, 0, "goal of the walk",
+                                            false, behavior::is_navigation_goal}};
   const std::size_t equals = text.find('=');
   const auto values = behavior::OptionValues::parse(
       kOptions,
       {{text.substr(0, equals), equals == std::string::npos ? "" : text.substr(equals + 1)}});
   if (!values) return judge_error(values.error(), "`");
   if (!(values->number("seconds") >= 0 && values->number("seconds") <= 100))
-    return "an option outside of its bounds";
+    return "an option is out of range";
   const auto goal = behavior::navigation_goal(values->choice("goal"));
   if (!goal) return "an invalid goal";
   if (!(goal->position.norm() <= 3)) return "a goal out of reach";

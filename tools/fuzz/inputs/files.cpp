@@ -112,7 +112,7 @@ Complaint try_camera_file(Bytes bytes) {
   if (camera->eye.width < 16 || camera->eye.width > 4096 || camera->eye.height < 16 ||
       camera->eye.height > 4096 || !(camera->rate_hz > 0 && camera->rate_hz <= 500) ||
       !(camera->latency_s >= 0 && camera->latency_s <= 1))
-    return "a camera outside of its bounds was read";
+    return "a camera with a value out of range was read";
   for (const bool ideal : {true, false}) {
     camera->ideal = ideal;
     const vision::CameraModel m = camera->model();
@@ -132,7 +132,7 @@ Complaint try_faults(Bytes bytes) {
     if (!kind.parameter.empty() && !(fault.value >= kind.low && fault.value <= kind.high))
       return "a value outside of its bounds was read: " + faults::text_of(fault);
     if ((kind.target == faults::Target::joint) != (fault.joint >= 0))
-      return "a fault lacks its joint, or has one that it must not have";
+      return "a fault has a missing or unexpected joint";
     for (const Time t : {Time::min(), Time(0), Time::max()}) (void)fault.active(t);
   }
   // Nine digits are written: what has more loses them once.

@@ -32,7 +32,7 @@ class HostileBoard final : public host::Link, public host::Clock {
   Result<void> set_baud(int) override { return {}; }
   Result<void> write(std::span<const std::uint8_t> bytes) override {
     if (++writes_ > kMostWrites)
-      return fail(Fault::environment, "case: the port is gone, unplugged perhaps");
+      return fail(Fault::environment, "case: the port is gone, perhaps unplugged");
     if (choices_.ended()) return {};
     switch (choices_.below(7)) {
       case 0:
@@ -122,7 +122,7 @@ Complaint try_flash_image(Bytes bytes) {
       return "an invalid range";
     sum += static_cast<std::uint32_t>(image->bytes(range).size());
   }
-  if (sum != image->size()) return "ranges that are not the image";
+  if (sum != image->size()) return "the ranges do not add up to the image";
   (void)image->identity();
   (void)image->damage();
   (void)image->loader_damage();
@@ -155,7 +155,7 @@ Complaint try_flash_replies(Bytes bytes) {
   if (auto wrong = judge_failure(flasher.check(image, through_boot))) return wrong;
   const auto written = flasher.write(image);
   if (auto wrong = judge_failure(written)) return wrong;
-  if (written && !written->verified) return "a success that was not verified";
+  if (written && !written->verified) return "a write succeeded without verification";
   if (auto wrong = judge_failure(flasher.read({0x1000, 0x1400}))) return wrong;
   if (auto wrong = judge_failure(flasher.erase({1, 2}))) return wrong;
   if (auto wrong = judge_failure(flasher.run(&reset))) return wrong;

@@ -81,7 +81,7 @@ Complaint try_can(Bytes bytes) {
   auto link = host::CanLink::open(std::make_unique<host::TestCanSockets>(bus), options);
   if (!link) return link.error().message;
   const std::uint32_t send_id = (board ? host::kCanReplies : host::kCanRequests) + 1;
-  if (!(*link)->write(frame_to(1))) return "the first frame was not taken";
+  if (!(*link)->write(frame_to(1))) return "the link rejected the first frame";
   while (!choices.ended()) {
     Wire expected, got;
     bool failed = false;
@@ -111,24 +111,25 @@ Complaint try_can(Bytes bytes) {
     failed = !read_all(**link, got) || failed;
     if (!failed && got != expected && bus.far[send_id].get() == far)
       return "the received bytes differ from the delivered bytes";
-    if (failed && (*link)->read({}, host::WallClock().now())) return "a lost link reads";
-    if (failed && !(*link)->reopen()) return "an interface that is there was not opened again";
-    if (!bus.far[send_id] && !(*link)->write(frame_to(1))) return "a new socket takes no frame";
+    if (failed && (*link)->read({}, host::WallClock().now()))
+      return "a read from a lost link succeeded";
+    if (failed && !(*link)->reopen()) return "an existing interface was not opened again";
+    if (!bus.far[send_id] && !(*link)->write(frame_to(1))) return "a write to a new socket failed";
   }
   // One that ends what was begun; then a whole one.
-  if (!(*link)->write(Wire{0})) return "a zero was not taken";
+  if (!(*link)->write(Wire{0})) return "the link rejected a zero byte";
   // A full socket leaves messages in the link, which sends them when it reads.
   for (Wire rest; !bus.received(send_id).empty();) {
-    if (!read_all(**link, rest)) return "a link without an error does not read";
+    if (!read_all(**link, rest)) return "a read failed on a link without an error";
   }
   const Wire frame = frame_to(1);
-  if (!(*link)->write(frame)) return "a frame was not taken";
+  if (!(*link)->write(frame)) return "the link rejected a frame";
   if (bus.received(send_id) != Wire(frame.begin() + 1, frame.end() - 1))
     return "the frame did not arrive";
   Wire back;
   if (!bus.deliver(send_id, Wire(frame.begin() + 1, frame.end() - 1)) || !read_all(**link, back) ||
       back != frame)
-    return "the frame did not come back";
+    return "the delivered frame was not read unchanged";
   return std::nullopt;
 }
 
@@ -137,18 +138,18 @@ Complaint try_telnet(Bytes bytes) {
   Reader whole, pieces;
   const TelnetStream all = take_all(whole, bytes), one_by_one = take_in_pieces(pieces, bytes);
   if (all != one_by_one || whole.dropped() != pieces.dropped())
-    return "pieces are read as other bytes";
+    return "the result differs if the bytes arrive one by one";
   Options options;
   Wire answer;
   std::size_t count = 0;
   for (const auto& [data, command] : all) {
     count += data.size();
-    if (command.data.size() > Reader::kMaxData) return "a command longer than its bound";
+    if (command.data.size() > Reader::kMaxData) return "a command is longer than its limit";
     options.take(command, answer);
     (void)read_big_endian(command.data);
   }
-  if (count > bytes.size()) return "more bytes than came";
-  if (answer.size() > 3 * all.size()) return "more answers than commands";
+  if (count > bytes.size()) return "more data bytes were returned than received";
+  if (answer.size() > 3 * all.size()) return "the answers have more than three bytes per command";
   // Whatever was begun ends, and the next command is understood.
   (void)take_all(whole, Wire{kIac, kSe, kIac, kSe});
   Wire wire;
@@ -157,8 +158,9 @@ Complaint try_telnet(Bytes bytes) {
   const auto next = take_all(whole, wire);
   const bool understood = next.size() == 2 && next[0].second.what == kBaudRate &&
                           read_big_endian(next[0].second.data) == 57600;
-  if (!understood) return "a command after it is not understood";
-  if (!std::ranges::equal(next[1].first, bytes)) return "bytes do not come back as they were put";
+  if (!understood) return "a valid command after the input was not decoded";
+  if (!std::ranges::equal(next[1].first, bytes))
+    return "the decoded data differ from the encoded data";
   return std::nullopt;
 }
 
@@ -169,10 +171,10 @@ Complaint try_boards(Bytes bytes) {
   for (const auto& board : *boards) {
     if (board.address < 1 || board.address > KZ_ADDRESS_LAST || board.port.place.empty())
       return "an invalid board";
-    if ((all & board.joints) != 0) return "a joint on two boards";
+    if ((all & board.joints) != 0) return "two boards have the same joint";
     all |= board.joints;
   }
-  return all == host::kAllJoints ? std::nullopt : Complaint("a joint on no board");
+  return all == host::kAllJoints ? std::nullopt : Complaint("no board has one of the joints");
 }
 
 }  // namespace kaz::fuzz

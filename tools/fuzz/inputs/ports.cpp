@@ -165,7 +165,7 @@ Complaint judge_service(host::PortServer& server, LoggedPort& port, const Descri
   if (!send_all(client.get(), wire) || !serve(server, port) || !server.write(every))
     return "a client that keeps the protocol is not served";
   if (port.log.entries.empty() || port.log.entries.back() != "baud 57600")
-    return "a rate does not reach the port";
+    return "the port did not receive the baud rate";
   const Wire answer = received(client.get());
   Bytes left = answer;
   Reader reader;
@@ -175,8 +175,8 @@ Complaint judge_service(host::PortServer& server, LoggedPort& port, const Descri
                read_big_endian(command->data) == 57600;
     (void)reader.take_data();
   }
-  if (!answered) return "the rate is not confirmed";
-  if (reader.take_data() != every) return "other bytes come than the board has sent";
+  if (!answered) return "the server did not confirm the baud rate";
+  if (reader.take_data() != every) return "the client received other bytes than the board sent";
   return std::nullopt;
 }
 
@@ -237,9 +237,9 @@ Complaint try_serve_port(Bytes bytes) {
     if (protocol == Protocol::rfc2217) expected = expected_log(all);
   }
   if (port.log.entries != expected.entries)
-    return "the port was given something else than was sent";
+    return "the port received other data than the client sent";
   if ((*server)->has_client() == is_browser(all))
-    return is_browser(all) ? "a browser is served" : "a client was disconnected";
+    return is_browser(all) ? "a web browser was accepted as a client" : "a client was disconnected";
   if (protocol == Protocol::raw || is_browser(all)) return std::nullopt;
   return judge_service(**server, port, client);
 }
@@ -268,7 +268,7 @@ Complaint try_rfc2217(Bytes bytes) {
     if (!came) return judge_link_error(came.error(), address.name());
     if (*came == 0) return "the end of the connection was not noticed";
     count += *came;
-    if (count > sent.size()) return "more bytes than came";
+    if (count > sent.size()) return "more data bytes were returned than received";
   }
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr int kSteps = 100;  // ms
 
 Complaint judge(const lockstep::RecordedRun& run) {
-  if (run.camera_latency < Time::zero()) return "a picture that arrives before its exposure";
+  if (run.camera_latency < Time::zero()) return "a picture arrives before its exposure";
   if (!run.has_pictures) return std::nullopt;
   const vision::CameraModel& c = run.camera;
   if (c.width < 1 || c.height < 1 || !(std::isfinite(c.fx) && c.fx > 0) ||
@@ -67,7 +67,7 @@ Complaint try_recording(Bytes bytes) {
     if (topic != recording->topics.end() && before != nullptr) {
       (void)tools::field_difference(topic->second, before->data, message.data);
       if (tools::field_difference(topic->second, message.data, message.data))
-        return "a message that differs from itself";
+        return "a comparison of a message with itself found a difference";
     }
     before = &message;
   }
@@ -79,13 +79,13 @@ Complaint try_recording(Bytes bytes) {
   } else {
     for (const tools::RecordedPoses& one : *poses)
       for (const Eigen::Isometry3d& pose : one.frames)
-        if (!pose.matrix().allFinite()) return "a pose that is not finite";
+        if (!pose.matrix().allFinite()) return "a pose is not finite";
   }
   const auto trace = tools::RunTrace::of(*recording, "case.mcap");
   if (!trace) {
     if (auto wrong = judge_error(trace.error(), "case.mcap")) return wrong;
   } else if (tools::compare(*trace, *trace).differing() != 0) {
-    return "a run that differs from itself";
+    return "a comparison of a run with itself found a difference";
   }
   const auto run = lockstep::RecordedRun::of(*recording, "case.mcap");
   if (!run) return judge_error(run.error(), "case.mcap");

@@ -79,8 +79,8 @@ Complaint judge_answer(const sim::VirtualServo::Answer& answer, bool part, Time 
   for (const std::uint8_t byte : answer.bytes)
     packets += reader.take(byte) == Reader::Event::packet ? 1 : 0;
   const bool whole = packets == 1 && reader.counts().bad() + reader.counts().skipped_bytes == 0;
-  if (!whole && !part) return "an answer is no packet";
-  if (answer.delay < Time(0) || answer.delay > most) return "an answer at no return delay";
+  if (!whole && !part) return "an answer is not a valid packet";
+  if (answer.delay < Time(0) || answer.delay > most) return "an answer has an invalid return delay";
   return std::nullopt;
 }
 
@@ -110,11 +110,11 @@ Complaint try_servo_bus(Bytes bytes) {
         if (auto wrong = judge_answer(*answer, model.protocol)) return wrong;
       }
     }
-    if (servo->baud() < 9600 || servo->baud() > 4'500'000) return "a rate that is none";
+    if (servo->baud() < 9600 || servo->baud() > 4'500'000) return "an invalid baud rate";
     for (unsigned steps = choices.below(8); steps > 0; --steps) {
       now += std::chrono::milliseconds(1);
       const auto drive = servo->step(reading, 1e-3, now);
-      if (!(std::abs(drive.duty) <= 1)) return "a duty that is none";
+      if (!(std::abs(drive.duty) <= 1)) return "an invalid duty";
       reading.speed = drive.powered ? 5000 * drive.duty : 0;
       reading.steps += 1e-3 * reading.speed;
       reading.current_a = 2 * drive.duty;
@@ -203,10 +203,10 @@ Complaint try_answers(Bytes bytes, const servo_bus::Model* model) {
     }
     kz_state_reply state{};
     if (type != KZ_TYPE_state) {
-      if (!whole) return "an answer is no frame";
+      if (!whole) return "an answer is not a valid frame";
     } else if (!whole || !kz_unpack_state_reply(&state, receiver.body + KZ_HEADER_SIZE,
                                                 static_cast<u8>(receiver.length - KZ_HEADER_SIZE)))
-      return "an answer is no state";
+      return "an answer is not a valid state reply";
     (void)servos.sleep_until(servos.now() + std::chrono::milliseconds(10));
   }
   return std::nullopt;
@@ -220,12 +220,13 @@ Complaint try_scan(Bytes bytes, servo_bus::Protocol protocol) {
   const auto found = host::scan_bus(servos, servos, protocol, 1000000, options);
   if (!found) return judge_error(found.error(), "bus", found.error().fault);
   for (const host::ScannedServo& servo : *found) {
-    if (servo.id < 0 || servo.id > 3) return "a servo of an id that was not looked for";
-    if (servo.lost + servo.damaged > servo.requests) return "more answers lost than requested";
+    if (servo.id < 0 || servo.id > 3) return "a servo has an id outside the scanned range";
+    if (servo.lost + servo.damaged > servo.requests)
+      return "more answers were lost or damaged than requested";
     if (servo.model != nullptr && servo.model->protocol != protocol)
-      return "a model of the other protocol";
+      return "a servo has a model of the other protocol";
     for (const host::ScanRemark& remark : host::remarks_on(servo, protocol))
-      if (remark.text.empty()) return "a remark without words";
+      if (remark.text.empty()) return "a remark without text";
   }
   return std::nullopt;
 }
@@ -234,7 +235,7 @@ Complaint try_scan(Bytes bytes, servo_bus::Protocol protocol) {
 Complaint try_judge(Bytes bytes, hil::ServoFamily family) {
   const hil::Bytes all(bytes.begin(), bytes.end());
   for (const hil::ServoAnswer& one : hil::answers_in(family, all).all)
-    if (one.id < 0 || one.id > 255 || one.data.size() > all.size()) return "an answer that is none";
+    if (one.id < 0 || one.id > 255 || one.data.size() > all.size()) return "an invalid answer";
   HostileServos servos(bytes);
   hil::BusRunOptions options;
   options.family = family;
@@ -262,22 +263,22 @@ Complaint try_bus_file(Bytes bytes) {
   const auto file = servo_bus::parse_bus_file("bus.json", text_of(bytes));
   if (!file) return judge_error(file.error(), "bus.json");
   if (!(file->supply_volts >= 0 && file->supply_ohm >= 0) || file->servos.empty())
-    return "a bus that is none";
+    return "an invalid bus was read";
   for (const servo_bus::BusServo& servo : file->servos) {
     if (servo.id < 0 || servo.id > feetech::kMaxId || servo.model == nullptr ||
         servo.model->protocol != file->protocol || !std::isfinite(servo.steps_at(1)))
-      return "a servo that is none";
+      return "an invalid servo was read";
     for (const servo_bus::BusSetting& one : file->settings) {
       const servo_bus::Register* reg = servo.model->find(one.name);
       if (reg == nullptr || !reg->eeprom || !reg->allows(one.value))
-        return "a setting that is none";
+        return "an invalid setting was read";
     }
   }
   const std::string& joint = file->servos.front().joint;
   const auto again =
       servo_bus::parse_bus_file("bus.json", servo_bus::with_zeros(text_of(bytes), {{joint, 77}}));
   if (!again || again->servos.size() != file->servos.size() || again->servos.front().zero != 77)
-    return "with another zero it is another file";
+    return "after a change of a zero position, the file is read differently";
   return std::nullopt;
 }
 

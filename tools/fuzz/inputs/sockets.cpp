@@ -130,10 +130,10 @@ Complaint judge_replies(const std::string& replies, std::size_t max_lines) {
   std::size_t lines = 0;
   for (std::size_t at = 0; at < replies.size(); ++lines) {
     const std::size_t end = replies.find('\n', at);
-    if (end == std::string::npos) return "a reply without an end";
+    if (end == std::string::npos) return "a reply has no newline at its end";
     const Json reply = parse_bounded_json<Json>(replies.substr(at, end - at)).value_or(nullptr);
     if (!reply.is_object() || !reply.contains("ok") || !reply["ok"].is_boolean())
-      return "a reply that is none: " + replies.substr(at, end - at);
+      return "an invalid reply: " + replies.substr(at, end - at);
     if (!reply["ok"].get<bool>() && (!reply.contains("error") || !reply["error"].is_string() ||
                                      reply["error"].get<std::string>().empty()))
       return "a refusal without a reason";
@@ -167,8 +167,8 @@ Complaint try_camera_stream(Bytes bytes) {
   const Sender sender(path, bytes);
   const auto camera = host::PublishedCamera::connect(path);
   if (!camera) return judge_error(camera.error(), path, Fault::environment);
-  if (!valid((*camera)->model())) return "a camera model that is none was read";
-  if ((*camera)->latency() < Time::zero()) return "a latency below zero was read";
+  if (!valid((*camera)->model())) return "an invalid camera model was read";
+  if ((*camera)->latency() < Time::zero()) return "a negative latency was read";
   // Until the end of the stream, or for pairs that are of a later time.
   for (int k = 0; k < 50; ++k) {
     const auto pair = (*camera)->poll();
@@ -182,7 +182,7 @@ Complaint try_camera_stream(Bytes bytes) {
       if (image->width != (*camera)->model().width ||
           image->rgb.size() != camera_picture_bytes(static_cast<std::uint32_t>(image->width),
                                                     static_cast<std::uint32_t>(image->height)))
-        return "a picture of another size";
+        return "a picture has the wrong size";
     }
   }
   return std::nullopt;
@@ -195,12 +195,12 @@ Complaint try_clock(Bytes bytes) {
   std::optional<Time> before;
   for (std::size_t i = 0; i < bytes.size() && all; ++i) {
     all = pieces.feed(bytes.subspan(i, 1)).has_value();
-    if (before && *pieces.latest() < *before) return "the clock went back";
+    if (before && *pieces.latest() < *before) return "the clock went backward";
     before = pieces.latest();
   }
   if (all != accepted || pieces.latest() != whole.latest())
-    return "a stream in pieces is another one";
-  if (before && *before < Time::zero()) return "a time before the start";
+    return "the result differs if the bytes arrive one by one";
+  if (before && *before < Time::zero()) return "a time before the start was read";
   return std::nullopt;
 }
 
@@ -213,10 +213,10 @@ Complaint try_control(Bytes bytes) {
                  .rotor_inertia_kgm2 = 1e-3,
                  .max_supply_v = 12};
   auto simulation = sim::make_stand({}, stand);
-  if (!simulation) return "no stand: " + simulation.error().message;
+  if (!simulation) return "cannot create the motor stand: " + simulation.error().message;
   const std::string path = input_folder() + "/control";
   auto server = sim::ControlServer::open(path, sim::ControlCommands(handlers_of(**simulation)));
-  if (!server) return "no server: " + server.error().message;
+  if (!server) return "cannot open the control server: " + server.error().message;
   // A request that is longer than allowed is answered too, and ends the connection.
   const auto requests =
       static_cast<std::size_t>(std::count(bytes.begin(), bytes.end(), std::uint8_t{'\n'}));
@@ -226,7 +226,8 @@ Complaint try_control(Bytes bytes) {
       return "the simulation has stopped: " + stepped.error().message;
   }
   for (const sim::JointState& joint : (*simulation)->world().joints()) {
-    if (!std::isfinite(joint.angle) || !std::isfinite(joint.velocity)) return "a joint is nowhere";
+    if (!std::isfinite(joint.angle) || !std::isfinite(joint.velocity))
+      return "a joint's angle or velocity is not finite";
   }
   // Another client is served as ever.
   const std::string request = "status\n";
@@ -244,12 +245,12 @@ Complaint try_control_reply(Bytes bytes) {
     const Sender sender(path, bytes);
     const auto lost = tools::time_lost_behind(port, interrupt)();
     if (!lost) return judge_error(lost.error(), path, Fault::environment);
-    if (*lost < Time::zero()) return "a time below zero was lost";
+    if (*lost < Time::zero()) return "a negative lost time was read";
   }
   {
     const Sender sender(path, bytes);
     const std::string mcu = tools::simulated_mcu(port, interrupt);
-    if (mcu.size() > bytes.size()) return "a name longer than the reply";
+    if (mcu.size() > bytes.size()) return "the name is longer than the reply";
   }
   std::string text;
   {
@@ -258,7 +259,7 @@ Complaint try_control_reply(Bytes bytes) {
     if (!reply) return judge_error(reply.error(), path, Fault::environment);
     text = *reply;
   }
-  if (text.find('\n') != std::string::npos) return "a reply of several lines";
+  if (text.find('\n') != std::string::npos) return "the reply has several lines";
   // As `kaz bench --stand ctl:PATH` uses it, and nothing may wait for ever.
   struct Waiting final : host::Clock {
     Time now() const override { return now_; }
@@ -275,9 +276,9 @@ Complaint try_control_reply(Bytes bytes) {
       clock);
   for (const Result<double>& number : {stand.disc_kgm2(), stand.scale_nm(0), stand.turn(0, 1.0)}) {
     if (number ? !std::isfinite(*number) : number.error().message.empty())
-      return "a reading that is none";
+      return "an invalid reading, or an error without a message";
   }
-  if (clock.longest_ > std::chrono::seconds(30)) return "a hand that never gets there";
+  if (clock.longest_ > std::chrono::seconds(30)) return "the stand waited for more than 30 s";
   return std::nullopt;
 }
 

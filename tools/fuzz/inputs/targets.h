@@ -24,7 +24,7 @@ Complaint try_flash_image(Bytes bytes);
 Complaint try_arguments(Bytes bytes);  // addresses and lists on the command line
 
 // Files of results that programs read again (reports.cpp, kept.cpp, recording.cpp).
-// Result.json of `kaz bench`; a valid input is also written and read again.
+// Report (result.json) of `kaz bench`; a valid input is also written and read again.
 Complaint try_bench_report(Bytes bytes);
 Complaint try_bench_limits(Bytes bytes);
 Complaint try_balance(Bytes bytes);  // weights of a balance policy; the policy then runs one step

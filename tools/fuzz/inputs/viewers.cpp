@@ -38,10 +38,10 @@ Complaint judge(const Result<viewer::Request>& request) {
   if (request->line.size() > viewer::kLongestLine) return "a line is longer than is allowed";
   if (const auto act = sim::parse_hand(request->line, Time::zero())) {
     if (!act->vector.allFinite() || act->vector.cwiseAbs().maxCoeff() > sim::HandAct::kMaxPlace)
-      return "a hand reaches too far";
+      return "a position or vector is out of range";
   }
   if (const auto wanted = behavior::parse_pose_request(request->line)) {
-    if (!(std::abs(wanted->angle_rad) < 3.2)) return "a joint is to turn too far";
+    if (!(std::abs(wanted->angle_rad) < 3.2)) return "a requested joint angle is out of range";
   }
   if (request->kind == viewer::Request::Kind::playback &&
       !(request->playback.speed > 0.009 && request->playback.speed < 101))
@@ -96,14 +96,16 @@ Complaint try_entry(Bytes bytes) {
   const std::string name(host.substr(0, host.rfind(':')));
   if (name.find_first_not_of("0123456789abcdefABCDEF.:[]") != name.npos &&
       strcasecmp(name.c_str(), "localhost") != 0 && strcasecmp(name.c_str(), "robot") != 0)
-    return "a foreign Host was let in: " + name;
+    return "a foreign Host header was accepted: " + name;
   const bool token = target.find("token=" + access.token) != target.npos;
   const bool foreign = origin.starts_with("http") && !origin.ends_with(host);
-  if (answer.control && !token) return "control without the token";
-  if (answer.status == 101 && answer.subprotocol.empty()) return "a viewer without a protocol";
+  if (answer.control && !token) return "a client without the token can control the run";
+  if (answer.status == 101 && answer.subprotocol.empty())
+    return "a viewer without a subprotocol was accepted";
   if (answer.status != 101 && answer.file == nullptr) return "an answer without a file";
   const bool page = answer.file == &access.page.at("/index.html");
-  if (!page && !token && (!access.open || foreign)) return "somebody may look without the token";
+  if (!page && !token && (!access.open || foreign))
+    return "a client without the token can read data";
   return std::nullopt;
 }
 

@@ -142,7 +142,7 @@ class Hostile {
 
 Complaint judge(const host::Posture& posture) {
   for (const double angle : posture.angle) {
-    if (!std::isfinite(angle) || std::abs(angle) > 7) return "an angle that is none";
+    if (!std::isfinite(angle) || std::abs(angle) > 7) return "an invalid angle";
   }
   return std::nullopt;
 }
@@ -164,11 +164,11 @@ Complaint use(host::Robot& robot, Choices& choices) {
           wrong = judge_failure(joints);
           break;
         }
-        if (joints->size() != KZ_JOINTS) return "not all joints";
+        if (joints->size() != KZ_JOINTS) return "the reply does not contain all joints";
         for (const host::JointDetail& joint : *joints) {
           if (!std::isfinite(joint.angle_rad) || !std::isfinite(joint.duty) ||
               !std::isfinite(joint.speed_rad_per_s) || !std::isfinite(joint.load))
-            return "a joint that is none";
+            return "an invalid joint state";
         }
         break;
       }
@@ -176,7 +176,7 @@ Complaint use(host::Robot& robot, Choices& choices) {
         const auto health = robot.health();
         if (health && !(std::isfinite(health->supply_volts) &&
                         std::isfinite(health->temperature_c) && std::isfinite(health->reference)))
-          return "a health that is none";
+          return "an invalid health reading";
         wrong = judge_failure(health);
         break;
       }
@@ -184,7 +184,7 @@ Complaint use(host::Robot& robot, Choices& choices) {
         const auto settings = robot.settings(static_cast<int>(choices.below(KZ_JOINTS)));
         if (settings && !(std::isfinite(settings->gains.kp_per_rad) &&
                           std::isfinite(settings->limits.ramp_rad_per_s)))
-          return "settings that are none";
+          return "invalid settings";
         wrong = judge_failure(settings);
         break;
       }
@@ -238,15 +238,16 @@ Complaint try_frames(Bytes bytes) {
   for (const std::vector<std::uint8_t>& wire :
        {std::vector<std::uint8_t>(bytes.begin(), bytes.end()), wire_of(bytes)}) {
     const auto bodies = received(wire);
-    if (bodies != deframed(wire)) return "receiver and conformance take other frames";
+    if (bodies != deframed(wire))
+      return "the receiver and the conformance decoder accept different frames";
     if (bodies != received_by_pieces(wire, bytes.empty() ? 1 : bytes[0]))
-      return "the receiver takes other frames by pieces";
+      return "the receiver accepts different frames if the bytes arrive in pieces";
     for (const Body& body : bodies) {
       std::uint8_t encoded[KZ_FRAME_MAX];
       const std::uint8_t length =
           kz_frame_encode(body.data(), static_cast<std::uint8_t>(body.size()), encoded);
       if (received({encoded, length}) != std::vector<Body>{body})
-        return "a frame that was received cannot be sent";
+        return "a received frame changes when it is encoded and decoded again";
     }
   }
   return std::nullopt;
@@ -270,9 +271,9 @@ Complaint try_replies(Bytes bytes) {
   board.to_host = nullptr;
   (void)board.sleep_until(board.now() + std::chrono::seconds(1));
   auto robot = host::Robot::connect(board, board, options);
-  if (!robot) return "the board is lost: " + robot.error().message;
+  if (!robot) return "the host cannot connect again: " + robot.error().message;
   const auto posture = robot->state();
-  if (!posture) return "the board does not answer any more: " + posture.error().message;
+  if (!posture) return "the board no longer answers: " + posture.error().message;
   return judge(*posture);
 }
 
@@ -292,7 +293,7 @@ Complaint try_raw_picture(Bytes bytes) {
   if (image.width != layout.width || image.height != layout.height ||
       image.rgb.size() !=
           3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
-    return "a picture of another size";
+    return "the converted picture has the wrong size";
   return std::nullopt;
 }
 

@@ -32,7 +32,7 @@ Complaint try_picture(Bytes bytes) {
   const auto pixels =
       static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
   if (image->width < 1 || image->height < 1 || image->rgb.size() != 3 * pixels)
-    return "a picture whose pixels do not fit its size";
+    return "the number of pixels does not match the size of the picture";
   return std::nullopt;
 }
 

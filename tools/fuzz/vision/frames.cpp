@@ -18,7 +18,7 @@ using namespace kaz::vision;
 
 Complaint judge(const FrameInfo& info, const BallObservation& ball) {
   if (!ball.found) return std::nullopt;
-  if (ball.info.sequence != info.sequence) return "a ball of another frame";
+  if (ball.info.sequence != info.sequence) return "a ball has the sequence number of another frame";
   if (!std::isfinite(ball.center_u) || !std::isfinite(ball.center_v) ||
       !(ball.radius_px > 0 && ball.radius_px < 1e9) || !ball.direction.allFinite() ||
       !(ball.distance_m > 0 && std::isfinite(ball.distance_m)) ||
@@ -172,7 +172,7 @@ class Run {
     PointCloud cloud;
     point_cloud(depth, cloud);
     if (!depth_png(depth) || !points_ply(cloud, frame.images().left))
-      complain("depth that cannot be written");
+      complain("the depth or the point cloud cannot be written");
   }
 
   void follow(const FrameInfo& info, const BallObservation& ball) {
@@ -182,7 +182,7 @@ class Run {
          {track_.latest(), info.exposure, later(track_.latest(), Time(100'000'000))}) {
       const BallState s = track_.at(t);
       if (!s.position.allFinite() || !s.velocity.allFinite() || !track_.aim(t).allFinite())
-        return complain("a track that is not finite");
+        return complain("the ball's track is not finite");
     }
   }
 
@@ -214,10 +214,10 @@ Complaint try_vision(Bytes bytes) {
   }();
   if (!run.ball() || run.ball()->found != fresh->ball()->found ||
       run.ball()->distance_m != fresh->ball()->distance_m)
-    return "hostile frames changed how the ball is seen in a valid one";
+    return "hostile frames changed the ball that is found in a valid frame";
   if (run.disparities() != fresh->disparities())
-    return "hostile frames changed the depth of a valid one";
-  if (run.labels() != fresh->labels()) return "hostile frames changed the planes of a valid one";
+    return "hostile frames changed the depth of a valid frame";
+  if (run.labels() != fresh->labels()) return "hostile frames changed the planes of a valid frame";
   return std::nullopt;
 }
 

@@ -8,17 +8,18 @@ usage() {
   cat <<'TEXT'
 usage: ./tools/dev packages [--twice] [--no-test] [--built] [--suite S]
 
-Builds the Debian packages of the commit that is checked out (kaz, kaz-firmware, kaz-dev, python3-kaz, kaz-doc) for Debian 12
-and leaves them in out/packages, an archive that apt can use, with SHA256SUMS. Built without network in a chroot that
-has only what debian/control names; examined by lintian; then installed into a bare system with no compiler, where
-`kaz demo` runs, upgraded, removed, and what is left behind is an error; last, debian/tests run under autopkgtest.
+Builds the Debian packages of the checked-out commit for Debian 12: kaz, kaz-firmware, kaz-dev, python3-kaz and
+kaz-doc. Writes them to out/packages, which is an archive for apt with SHA256SUMS. The build runs without network, in a
+chroot that contains only the packages named in debian/control. Then lintian examines the packages. A bare system
+without a compiler installs the packages, runs `kaz demo`, and upgrades and removes the packages. Files that remain
+after the removal are an error. At the end, autopkgtest runs debian/tests.
 
-  --twice     build a second time with other user name, home, time zone and language; the packages must be equal
-  --no-test   build and examine, do not install
-  --built     do not build: go on with what an earlier run has built
-  --suite S   Debian's release: bookworm
+  --twice     build a second time with another user name, home, time zone and language; the packages must be equal
+  --no-test   build and examine the packages, but do not install them
+  --built     do not build; use the packages that an earlier run has built
+  --suite S   Debian release (default: bookworm)
 
-Needs some 6 GB in build/packages, root or sudo, and the network for Debian's packages and those of npm.
+Needs about 6 GB in build/packages, root or sudo, and the network to download packages of Debian and npm.
 TEXT
 }
 
