@@ -10,12 +10,12 @@
 #include "python/src/arguments.h"
 #include "tools/base/interrupt_signals.h"
 #include "tools/run/balance_setting.h"
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 
 namespace kaz::python {
 namespace {
 
-// While it lives Ctrl-C and termination end a session as they end `kaz run`, its results kept; else they are
+// While it lives Ctrl-C and termination end a run as they end `kaz run`, its results kept; else they are
 // Python's.
 class SessionSignals {
  public:
@@ -46,44 +46,48 @@ std::map<std::string, std::string> settings_of(const py::dict& given) {
   return settings;
 }
 
+// Stores the end of a run.
+struct EndObserver final : tools::RunObserver {
+  void ended(const Result<behavior::Outcome>& how, double duration_s, double) override {
+    outcome = how;
+    run_s = duration_s;
+  }
+  std::optional<Result<behavior::Outcome>> outcome;
+  double run_s = 0;
+};
+
 py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   if (behavior::names_plugin(name))
     raise({Fault::usage, "run_behavior: `" + name +
                              "` is a plug-in: run the plug-in with `kaz run " + name +
                              "`, or give a name from kaz.behaviors()"});
   py::dict arguments(given);
-  tools::SessionOptions session;
+  tools::RunOptions run;
   const bool named = arguments.contains("world");
-  session.backend = take_world_arguments(arguments);
-  if (!named) session.backend.world = tools::usual_world(name);
-  session.behavior = name;
-  session.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
-  if (const auto loaded = tools::load_balance(name, session.settings); !loaded)
-    raise(loaded.error());
-  session.out = take<std::string>(arguments, "out", "");
-  session.backend.robot = take<std::string>(arguments, "robot", "sim");
-  session.backend.camera = take<std::string>(arguments, "camera", "sim");
-  session.backend.calibration = take<std::string>(arguments, "calibration", "");
-  session.backend.address = take<std::uint8_t>(arguments, "address", session.backend.address);
-  session.backend.record_pictures = take<bool>(arguments, "record_pictures", false);
+  run.backend = take_world_arguments(arguments);
+  if (!named) run.backend.world = tools::usual_world(name);
+  run.behavior = name;
+  run.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
+  if (const auto loaded = tools::load_balance(name, run.settings); !loaded) raise(loaded.error());
+  run.out = take<std::string>(arguments, "out", "");
+  run.backend.robot = take<std::string>(arguments, "robot", "sim");
+  run.backend.camera = take<std::string>(arguments, "camera", "sim");
+  run.backend.calibration = take<std::string>(arguments, "calibration", "");
+  run.backend.address = take<std::uint8_t>(arguments, "address", run.backend.address);
+  run.backend.record_pictures = take<bool>(arguments, "record_pictures", false);
   nothing_left("run_behavior", arguments);
-  session.quiet = true;
-  session.json = true;  // no progress
-  session.label = "kaz.run_behavior";
-  session.backend.needs_camera = value_of(behavior::find_behavior(name)).needs_camera;
+  run.quiet = true;
+  run.json = true;  // no progress
+  run.label = "kaz.run_behavior";
+  run.backend.needs_camera = value_of(behavior::find_behavior(name)).needs_camera;
 
-  std::optional<Result<behavior::Outcome>> ended;
-  double duration_s = 0;
-  session.on_end = [&](const Result<behavior::Outcome>& outcome, double run_s, double) {
-    ended = outcome;
-    duration_s = run_s;
-  };
+  EndObserver observer;
   // Signal handlers belong to the process. Never destroyed: a thread may be in a run when the process ends.
   static ObjectLock& lock = *new ObjectLock("kaz.run_behavior()");
   LockedCall call(lock);
   const auto result = [&] {
     const SessionSignals signals;
-    return call.piece([&session] { return tools::run_session(session); });
+    return call.piece([&] { return tools::run(run, observer); });
   }();
   if (const int number = tools::received_signal(); number != 0) {
     tools::forget_signal();
@@ -98,8 +102,8 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
 
   py::dict report;
   report["success"] = *result;
-  report["duration_s"] = duration_s;
-  if (ended && *ended) {
+  report["duration_s"] = observer.run_s;
+  if (const auto& ended = observer.outcome; ended && *ended) {
     report["sentence"] = (*ended)->sentence;
     report["cause"] = (*ended)->cause;
     py::dict numbers;

@@ -5,7 +5,7 @@
 By include: nothing that host, vision, hil or shared reach, through whatever header, is in sim or tools.
 By word: their code names no simulator but in the places below, each with its reason. A place that has gone
 has to go from the list too.
-By name: in tools, where both sides meet, those places that take the simulation out of a session's backend.
+By name: in tools, where both sides meet, those places that take the simulation out of a run's backend.
 """
 
 import pathlib
@@ -57,8 +57,11 @@ PLACES = {
 
 # In tools: who takes the simulation out of a backend, how often, and for what. Behaviors see none of it.
 TAKERS = {
-    "tools/run/session.cpp": (
-        6, "recording, pictures from outside, also of the start, the judges' view, the result's facts"),
+    "tools/run/run_end.cpp": (1, "pictures from outside, the result's facts"),
+    "tools/run/run_eyes.cpp": (1, "pictures from outside"),
+    "tools/run/run_recorder.cpp": (2, "ground truth for the score"),
+    "tools/run/run_robot.cpp": (1, "the judges' view"),
+    "tools/run/run_stack.cpp": (1, "the pose at the start, for its picture"),
     "tools/calibrate/calibrate_joints.cpp": (1, "stores the board's memory after the last request"),
     "tools/run/backend.cpp": (2, "defines it"),
     "tools/run/backend.h": (1, "declares it"),
@@ -122,7 +125,7 @@ def check_words():
 
 
 def check_takers():
-    # Below the session: what offers the simulation.
+    # Libraries that offer the simulation.
     below = ("tools/lockstep/", "tools/viewer/", "tools/fuzz/", "tools/benchmark/", "tools/trials/")
     for name in files("tools"):
         if name.startswith(below):
@@ -130,19 +133,19 @@ def check_takers():
         count = len(re.findall(r"\bsimulation\(\)", code(name)))
         allowed = TAKERS.get(name, (0, ""))[0]
         if count != allowed:
-            faults.append(f"{name}: takes the simulation out of a session's backend in {count} places, and "
+            faults.append(f"{name}: takes the simulation out of a run's backend in {count} places, and "
                           f"tests/repository/independent.py has {allowed}: whatever is taken must not reach "
                           "behaviors or vision")
     for name in TAKERS:
         if not (ROOT / name).exists():
             faults.append(f"tests/repository/independent.py: there is no {name}")
     # One function assembles the context of a behavior; the context must not contain the simulation.
-    begin = code("tools/run/session.cpp").split("behavior::Context context{", 1)
+    begin = code("tools/run/run.cpp").split("behavior::Context context{", 1)
     if len(begin) != 2:
-        faults.append("tools/run/session.cpp: `behavior::Context context{` is not found, where a "
-                      "behavior gets what it has")
-    elif re.search(r"simulation|world|\bsim::", begin[1].split("std::optional<RunProfiler>", 1)[0]):
-        faults.append("tools/run/session.cpp: a behavior's context has something of the simulation")
+        faults.append("tools/run/run.cpp: `behavior::Context context{` is not found, where a behavior gets "
+                      "what it has")
+    elif re.search(r"simulation|world|\bsim::", begin[1].split("outcome_of(plan, context", 1)[0]):
+        faults.append("tools/run/run.cpp: a behavior's context has something of the simulation")
 
 
 check_includes()

@@ -141,7 +141,7 @@ class Calibration {
           Fault::usage,
           "--robot " + options_.backend.robot +
               ": boards are calibrated one by one; give the port and --address of one board");
-    if (options_.backend.robot == "sim" && options_.backend.address != KZ_ADDRESS_DEFAULT)
+    if (!options_.backend.at_port() && options_.backend.address != KZ_ADDRESS_DEFAULT)
       return fail(
           Fault::usage,
           "--address is only valid with a port, such as --robot serial:PATH; the virtual board has "
@@ -162,7 +162,7 @@ class Calibration {
   }
 
  private:
-  bool port() const { return options_.backend.robot != "sim"; }
+  bool port() const { return options_.backend.at_port(); }
 
   // A virtual robot is another one when it is set down: with the same potentiometers, by its seed.
   Result<void> open(bool suspended) {

@@ -61,19 +61,19 @@ Result<void> set_once(std::map<std::string, std::string>& settings, const std::s
 }  // namespace
 
 void add_run_options(CLI::App& verb, RunArguments& arguments) {
-  add_sim_options(verb, arguments.session.backend);
-  add_record_pictures(verb, arguments.session.backend);
+  add_sim_options(verb, arguments.run.backend);
+  add_record_pictures(verb, arguments.run.backend);
   verb.add_option("--memory", arguments.memory,
                   "file with the virtual board's calibration, written by kaz calibrate joints "
                   "--memory or kaz sim --memory")
       ->type_name("FILE");
-  verb.add_option("--restore-every", arguments.session.backend.restore_every_s,
+  verb.add_option("--restore-every", arguments.run.backend.restore_every_s,
                   "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
                   "without recording, and restore the state. The recording must be "
                   "identical to the recording of the same run without --restore-every")
       ->check(between(0.001, 1e6, "s"))
       ->type_name("SECONDS");
-  verb.add_option("--modules", arguments.session.vision.modules,
+  verb.add_option("--modules", arguments.run.vision.modules,
                   "vision modules to run, separated by commas: " + module_names() +
                       ". Behaviors that use the cameras always run the module 'color'. "
                       "Other behaviors run no vision modules")
@@ -82,12 +82,12 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
   verb.add_option("--color", arguments.color,
                   "file with the ball's color, written by kaz vision learn-color (default: red)")
       ->type_name("FILE");
-  verb.add_option("--radius", arguments.session.vision.ball.radius_m, "radius of the ball, m")
+  verb.add_option("--radius", arguments.run.vision.ball.radius_m, "radius of the ball, m")
       ->check(between(0.005, 0.5, "m"))
       ->capture_default_str()
       ->type_name("M");
   add_watch_options(verb, arguments.watch);
-  verb.add_flag("--json", arguments.session.json,
+  verb.add_flag("--json", arguments.run.json,
                 "print the result as JSON on standard output, without progress messages");
 }
 
@@ -96,7 +96,7 @@ CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::st
 }
 
 void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
-  verb.add_option("--out", arguments.session.out,
+  verb.add_option("--out", arguments.run.out,
                   "folder for recording.mcap, pictures and result.json" + more)
       ->type_name("DIR")
       ->capture_default_str();
@@ -104,33 +104,32 @@ void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
 
 Result<bool> run_behavior(RunArguments arguments) {
   auto settings = KAZ_TRY(parse_settings(arguments.settings));
-  KAZ_TRY(load_balance(arguments.session.behavior, settings));
-  arguments.session.settings = settings;
-  auto& session = arguments.session;
+  RunOptions& run = arguments.run;
+  KAZ_TRY(load_balance(run.behavior, settings));
+  run.settings = settings;
   if (!arguments.duration.empty() || !arguments.goal.empty() || !arguments.poses.empty()) {
-    const auto behavior = KAZ_TRY(behavior::named_behavior(session.behavior));
+    const auto behavior = KAZ_TRY(behavior::named_behavior(run.behavior));
     if (!arguments.goal.empty()) KAZ_TRY(check_has(behavior, "goal"));
     if (!arguments.poses.empty()) KAZ_TRY(check_has(behavior, "poses"));
     if (!arguments.duration.empty()) {
       KAZ_TRY(check_duration(behavior, arguments.duration, settings));
-      session.settings["seconds"] = arguments.duration;
+      run.settings["seconds"] = arguments.duration;
     }
   }
   if (!arguments.goal.empty())
-    KAZ_TRY(set_once(session.settings, "goal", arguments.goal, arguments.goal));
+    KAZ_TRY(set_once(run.settings, "goal", arguments.goal, arguments.goal));
   if (!arguments.poses.empty()) {
     // The recording has the poses, not the file's name: it may be another one when they are replayed.
     const auto text = KAZ_TRY(read_whole_file(arguments.poses, motion::kMaxPosesBytes));
     const auto poses = KAZ_TRY(motion::parse_poses(text, arguments.poses));
-    KAZ_TRY(set_once(session.settings, "poses", motion::text_of(poses), arguments.poses));
+    KAZ_TRY(set_once(run.settings, "poses", motion::text_of(poses), arguments.poses));
   }
-  if (!arguments.memory.empty())
-    arguments.session.backend.memory = KAZ_TRY(read_memory(arguments.memory));
+  if (!arguments.memory.empty()) run.backend.memory = KAZ_TRY(read_memory(arguments.memory));
   if (!arguments.color.empty()) {
     const auto color = KAZ_TRY(read_color(arguments.color));
-    arguments.session.vision.ball.color = color;
+    run.vision.ball.color = color;
   }
-  return run_watched(arguments.watch, arguments.session);
+  return run_watched(arguments.watch, std::move(run));
 }
 
 }  // namespace kaz::tools

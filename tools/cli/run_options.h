@@ -8,12 +8,12 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/watch_options.h"
-#include "tools/run/session.h"
+#include "tools/run/run_plan.h"
 
 namespace kaz::tools {
 
 struct RunArguments {
-  SessionOptions session;
+  RunOptions run;
   std::vector<std::string> settings;  // NAME=VALUE
   std::string duration;               // s
   std::string color;                  // path of a file
@@ -28,7 +28,7 @@ void add_run_options(CLI::App& verb, RunArguments& arguments);
 CLI::Option* add_duration(CLI::App& verb, RunArguments& arguments, const std::string& text);
 // Adds --out DIR. `more`: text at the end of the option's description.
 void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more);
-// Reads the files, checks the settings and runs the behavior. Returns the result of run_session(), or
+// Reads the files, checks the settings and runs the behavior. Returns the result of run(), or
 // Fault::usage for invalid settings.
 Result<bool> run_behavior(RunArguments arguments);
 

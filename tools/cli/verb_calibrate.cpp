@@ -88,7 +88,7 @@ constexpr const char* kBoardOnly[] = {"--address", "--only", "--gauge", "--gauge
 // Errors: an option that has no effect beside the others.
 Result<void> check_joint_options(const CLI::App& verb, const JointCalibrationOptions& options) {
   const bool gauge = options.only == "gauge" || !options.gauge.empty();
-  const bool sim = options.backend.robot == "sim";
+  const bool sim = !options.backend.at_port();
   const struct {
     const char* option;
     bool idle;
@@ -219,7 +219,7 @@ void add_joints(CLI::App& calibrate, Action& action) {
   verb->callback([&action, arguments, bus, verb] {
     action = [arguments, bus, verb]() -> Result<Outcome> {
       for (const char* option : kVirtualOnly) {
-        if (arguments->backend.robot != "sim" && verb->count(option) > 0)
+        if (arguments->backend.at_port() && verb->count(option) > 0)
           return fail(Fault::usage, std::string(option) + " is for the virtual robot; leave " +
                                         option + " out with --robot " + arguments->backend.robot);
       }

@@ -14,8 +14,8 @@ void add_demo(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand(
       "demo", "let the robot find the ball and follow it with its head, in simulated time");
   auto arguments = std::make_shared<RunArguments>();
-  arguments->session.label = "kaz demo";
-  arguments->session.out = "kaz-demo";
+  arguments->run.label = "kaz demo";
+  arguments->run.out = "kaz-demo";
   add_out(*verb, *arguments, "");
   const auto& seconds = *std::ranges::find(behavior::kTrackBall.options,
                                            std::string_view("seconds"), &behavior::Option::name);

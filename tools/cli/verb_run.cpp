@@ -160,30 +160,29 @@ std::string footer(const behavior::Behavior* behavior) {
 void add_run(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand("run", "run one behavior on a real or virtual robot");
   auto arguments = std::make_shared<RunArguments>();
-  auto& session = arguments->session;
-  verb->add_option("BEHAVIOR", session.behavior,
-                   "name of a behavior, or a plug-in such as ./NAME.so")
+  auto& run = arguments->run;
+  verb->add_option("BEHAVIOR", run.behavior, "name of a behavior, or a plug-in such as ./NAME.so")
       ->required()
       ->type_name("");
-  verb->add_option("--robot", session.backend.robot, kRobotText)
+  verb->add_option("--robot", run.backend.robot, kRobotText)
       ->type_name("sim|PORT")
       ->capture_default_str();
-  add_address(*verb, session.backend.address);
-  verb->add_option("--camera", session.backend.camera,
+  add_address(*verb, run.backend.address);
+  verb->add_option("--camera", run.backend.camera,
                    "source of the pictures: sim, the path of a camera socket, or "
                    "v4l2:LEFT,RIGHT[,fps=N][,format=NAME]")
       ->type_name("CAMERA")
       ->capture_default_str();
-  verb->add_option("--calibration", session.backend.calibration,
+  verb->add_option("--calibration", run.backend.calibration,
                    "for v4l2 cameras: calibration file written by kaz calibrate stereo; the file "
                    "also sets the size of the pictures")
       ->type_name("FILE");
-  verb->add_option("--reconnect", session.backend.reconnect_s,
+  verb->add_option("--reconnect", run.backend.reconnect_s,
                    "at a port: maximum time to reconnect after the link is lost")
       ->check(between(0, 3600))
       ->capture_default_str()
       ->type_name("SECONDS");
-  add_choice(*verb, "--when-lost", host::kReactions, session.backend.reaction,
+  add_choice(*verb, "--when-lost", host::kReactions, run.backend.reaction,
              "reaction of the board if no request arrives for 90 ms: keep the posture (hold), or "
              "switch the motors off (limp)");
   add_out(*verb, *arguments, "; without --out, no file is written");
@@ -200,7 +199,7 @@ void add_run(CLI::App& program, Action& action) {
   add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
   auto list = std::make_shared<bool>(false);
   verb->add_flag("--options", *list, "print the options of the behavior or plug-in, and exit");
-  verb->add_flag("--profile", session.profile,
+  verb->add_flag("--profile", run.profile,
                  "measure the CPU time and waiting time of each part of the program; print a table "
                  "and add the table to result.json");
   add_run_options(*verb, *arguments);
@@ -223,13 +222,13 @@ void add_run(CLI::App& program, Action& action) {
     action = [arguments, verb, list]() -> Result<Outcome> {
       if (*list) {
         KAZ_TRY(check_alone(*verb));
-        const auto behavior = KAZ_TRY(behavior::named_behavior(arguments->session.behavior));
+        const auto behavior = KAZ_TRY(behavior::named_behavior(arguments->run.behavior));
         print_lines("%s", behavior_text(behavior).c_str());
         return Outcome();
       }
-      KAZ_TRY(check_given(*verb, arguments->session.behavior, arguments->session.backend.robot));
+      KAZ_TRY(check_given(*verb, arguments->run.behavior, arguments->run.backend.robot));
       if (verb->count("--world") == 0)
-        arguments->session.backend.world = usual_world(arguments->session.behavior);
+        arguments->run.backend.world = usual_world(arguments->run.behavior);
       return run_behavior(*arguments);
     };
   });

@@ -6,17 +6,18 @@
 
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/paths.h"
+#include "tools/cli/options.h"
+#include "tools/cli/view_observer.h"
 #include "tools/monitor/terminal.h"
 #include "tools/replay/recorded_backend.h"
-#include "tools/cli/options.h"
-#include "tools/cli/vision_channels.h"
 #include "tools/viewer/player.h"
 #include "tools/viewer/view.h"
 
 namespace kaz::tools {
 namespace {
 
-Result<viewer::ViewOptions> view_of(const WatchArguments& arguments, const std::string& robot_file) {
+Result<viewer::ViewOptions> view_of(const WatchArguments& arguments,
+                                    const std::string& robot_file) {
   viewer::ViewOptions view;
   view.where = arguments.where;
   view.wait = arguments.wait;
@@ -44,6 +45,16 @@ void print_acts(const std::string& label, const viewer::View& view) {
                  acts, acts == 1 ? "" : "s");
 }
 
+// Publishes the eyes' pictures of one episode.
+class EpisodeView final : public RunObserver {
+ public:
+  explicit EpisodeView(std::unique_ptr<viewer::View> view) : view_(std::move(view)) {}
+  void pair(const vision::StereoPair& pair) override { view_->picture(pair); }
+
+ private:
+  std::unique_ptr<viewer::View> view_;
+};
+
 }  // namespace
 
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
@@ -58,8 +69,8 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
   view->check(CLI::Validator(
       [](std::string& text) {
         return viewer::parse_where(text) ? std::string()
-                                        : "give a port, or a numeric address and port, such as "
-                                          "8765, 127.0.0.1:8765 or 0.0.0.0:8765";
+                                         : "give a port, or a numeric address and port, such as "
+                                           "8765, 127.0.0.1:8765 or 0.0.0.0:8765";
       },
       ""));
   view->expected(0, 1)->type_name("[ADDRESS:]PORT")->trigger_on_parse();
@@ -78,32 +89,33 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
       ->needs(view);
 }
 
-Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session) {
-  if (!arguments.view) return run_session(std::move(session));
-  const bool real = session.backend.robot != "sim";
+Result<bool> run_watched(const WatchArguments& arguments, RunOptions run_options) {
+  if (!arguments.view) {
+    RunObserver nobody;
+    return run(std::move(run_options), nobody);
+  }
+  const bool real = run_options.backend.at_port();
   if (real && arguments.pace > 0)
     return fail(
         Fault::usage,
         "--pace is not valid with a robot at a port, which runs in real time; leave --pace out");
-  auto options = KAZ_TRY(view_of(arguments, session.backend.robot_file));
-  options.recorded_pictures = session.backend.record_pictures;
+  auto options = KAZ_TRY(view_of(arguments, run_options.backend.robot_file));
+  options.recorded_pictures = run_options.backend.record_pictures;
   options.hands = !real;
-  if (const auto behavior = behavior::find_behavior(session.behavior))
+  if (const auto behavior = behavior::find_behavior(run_options.behavior))
     options.requests = !real && behavior->takes_requests;
   const bool requests = options.requests;
   if (real) options.source = "robot";
   const auto view = KAZ_TRY(viewer::View::open(std::move(options)));
-  print_address(session.label, view->url());
+  print_address(run_options.label, view->url());
   // A board that waited for its host within the run would switch its motors off.
   if (real) view->wait();
-  session.backend.tap = view.get();
-  if (!real) session.backend.hands = view.get();
-  if (requests) session.requests = [&view](Time) { return view->take_requests(); };
-  session.on_pair = [&view](const vision::StereoPair& pair) { view->picture(pair); };
-  VisionChannels vision(*view);
-  if (session.watcher == nullptr) session.watcher = &vision;
-  const std::string label = session.label;
-  auto ran = run_session(std::move(session));
+  run_options.backend.tap = view.get();
+  if (!real) run_options.backend.hands = view.get();
+  if (requests) run_options.requests = [&view](Time) { return view->take_requests(); };
+  ViewObserver observer(*view);
+  const std::string label = run_options.label;
+  auto ran = run(std::move(run_options), observer);
   print_acts(label, *view);
   return ran;
 }
@@ -179,13 +191,11 @@ Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions c
     // Whether it can be served, and the address; the episodes take it over.
     print_address("kaz evaluate", KAZ_TRY(viewer::View::open(options))->url());
   }
-  campaign.watch = [options](SessionOptions& session) -> std::shared_ptr<void> {
+  campaign.watch = [options](BackendOptions& backend) -> std::unique_ptr<RunObserver> {
     auto opened = viewer::View::open(options);
-    if (!opened) return nullptr;  // another episode has the port
-    const std::shared_ptr<viewer::View> view = std::move(*opened);
-    session.backend.tap = view.get();
-    session.on_pair = [view](const vision::StereoPair& pair) { view->picture(pair); };
-    return view;
+    if (!opened) return std::make_unique<RunObserver>();  // another episode has the port
+    backend.tap = opened->get();
+    return std::make_unique<EpisodeView>(std::move(*opened));
   };
   return run_campaign(campaign);
 }

@@ -11,7 +11,7 @@
 #include "tools/eval/campaign.h"
 #include "tools/monitor/monitor.h"
 #include "tools/replay/replay.h"
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 #include "tools/sim/serve.h"
 
 namespace kaz::tools {
@@ -25,9 +25,9 @@ struct WatchArguments {
 // Adds the options. With `paced`, also adds --pace, which is only valid for a verb that does not follow a
 // real clock. `arguments` must outlive `verb`.
 void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = true);
-// The five functions below call run_session(), serve(), run_bench(), monitor() and run_campaign(). If --view
+// The five functions below call run(), serve(), run_bench(), monitor() and run_campaign(). If --view
 // is given, the functions also run a server for viewers.
-Result<bool> run_watched(const WatchArguments& arguments, SessionOptions session);
+Result<bool> run_watched(const WatchArguments& arguments, RunOptions run_options);
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
 Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);
 Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions monitor);

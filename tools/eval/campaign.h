@@ -15,7 +15,7 @@
 #include "shared/base/result.hpp"
 #include "tools/base/output_file.h"
 #include "tools/eval/scenario.h"
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 
 namespace kaz::tools {
 
@@ -36,9 +36,9 @@ struct CampaignOptions {
   int jobs = 1;
   std::string out;
   bool json = false;
-  // Called in each episode's process. Viewers can watch the episode while the returned object exists. If the
-  // returned pointer is null, viewers cannot watch this episode.
-  std::function<std::shared_ptr<void>(SessionOptions&)> watch;
+  // Called in each episode's process with the episode's options. Viewers can watch the episode while the
+  // returned observer exists. Only its function pair() is called. Null: nobody can watch the episodes.
+  std::function<std::unique_ptr<RunObserver>(BackendOptions&)> watch;
 
   // Returns the name of the behavior whose criterion decides success.
   const std::string& task() const { return judged_as.empty() ? behavior : judged_as; }

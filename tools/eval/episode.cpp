@@ -1,4 +1,4 @@
-// One episode of a campaign: a scenario's files, a session, the judge.
+// One episode of a campaign: a scenario's files, a run, the judge.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/episode.h"
 
@@ -46,6 +46,36 @@ struct Ended {
   Result<behavior::Outcome> outcome = fail(Fault::environment, "the episode did not begin");
   double run_s = 0, rtf = 0;
   bool crashed = false;  // the behavior's program
+};
+
+// Judges an episode while it runs.
+class EpisodeObserver final : public RunObserver {
+ public:
+  // `viewer` may be null. All arguments must outlive this object.
+  EpisodeObserver(const Task& task, Judge& judge, RunObserver* viewer)
+      : task_(task), judge_(judge), viewer_(viewer) {}
+  void map(const behavior::MapReport& report) override { judge_.map(report); }
+  void look(sim::Simulation& simulation) override { judge_.look(simulation); }
+  void pair(const vision::StereoPair& pair) override {
+    if (viewer_ != nullptr) viewer_->pair(pair);
+  }
+  void threw() override { end_.crashed = true; }
+  void lost(const Error& error) override { loss_ = error; }
+  void ended(const Result<behavior::Outcome>& outcome, double run_s, double rtf) override {
+    judge_.end();
+    end_ = {outcome, run_s, rtf, end_.crashed};
+  }
+  bool is_worth_keeping() override { return !verdict_of(task_, end_.outcome, judge_).success; }
+
+  const Ended& end() const { return end_; }
+  const std::optional<Error>& loss() const { return loss_; }
+
+ private:
+  const Task& task_;
+  Judge& judge_;
+  RunObserver* viewer_;
+  Ended end_;
+  std::optional<Error> loss_;
 };
 
 Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& ended,
@@ -154,49 +184,38 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   // Beyond the edge of a table there is no floor: what the map has there is not compared.
   if (navigates && scenario.layout.table.empty())
     judge.watch_map(scenario.layout.obstacles, scenario.world_from_start());
-  Ended ended;
-  SessionOptions session;
-  session.backend = options.backend;
-  session.backend.world = files.world();
-  session.backend.robot_file = files.robot();
-  session.backend.seed = scenario.seed;
-  session.backend.supply_volts = scenario.supply_volts;
-  session.backend.memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
-  session.behavior = options.behavior;
-  session.settings = settings;
-  session.vision.ball.radius_m = scenario.ball_radius_m;
-  session.vision.ball.color = color;
-  session.quiet = true;
-  session.json = true;  // no progress
-  session.keep_interrupted = false;
-  session.onlooker = &judge;
-  session.listener = &judge;
-  std::optional<Error> lost;
-  session.on_loss = [&](const Error& error) { lost = error; };
-  session.on_end = [&](const Result<behavior::Outcome>& outcome, double seconds, double speed) {
-    judge.end();
-    ended.outcome = outcome;
-    ended.run_s = seconds;
-    ended.rtf = speed;
-  };
-  const auto verdict_now = [&] { return verdict_of(task, ended.outcome, judge); };
-  const auto crashed = [&] { return Verdict{.cause = "crashed", .judged = is_judged(task.name)}; };
-  session.worth_keeping = [&] { return !verdict_now().success; };
+  RunOptions run_options;
+  run_options.backend = options.backend;
+  run_options.backend.world = files.world();
+  run_options.backend.robot_file = files.robot();
+  run_options.backend.seed = scenario.seed;
+  run_options.backend.supply_volts = scenario.supply_volts;
+  run_options.backend.memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
+  run_options.behavior = options.behavior;
+  run_options.settings = settings;
+  run_options.vision.ball.radius_m = scenario.ball_radius_m;
+  run_options.vision.ball.color = color;
+  run_options.quiet = true;
+  run_options.json = true;  // no progress
+  run_options.keep_interrupted = false;
   char name[32];
   std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(number));
   const std::string kept = (fs::path(failures) / name).string();
-  session.out = kept;
-  session.on_throw = [&] { ended.crashed = true; };
-  const auto watched = options.watch ? options.watch(session) : nullptr;
-  const auto ran = run_session(session);
+  run_options.out = kept;
+  const auto viewer = options.watch ? options.watch(run_options.backend) : nullptr;
+  EpisodeObserver observer(task, judge, viewer.get());
+  const auto ran = run(std::move(run_options), observer);
   if (!ran && ran.error().fault == Fault::interrupted) {
     (void)remove_run(kept);
     return tl::unexpected(ran.error());
   }
-  if (lost) return tl::unexpected(*lost);
+  if (observer.loss()) return tl::unexpected(*observer.loss());
+  Ended ended = observer.end();
   if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const Verdict verdict = ended.crashed ? crashed() : verdict_now();
+  const Verdict verdict = ended.crashed
+                              ? Verdict{.cause = "crashed", .judged = is_judged(task.name)}
+                              : verdict_of(task, ended.outcome, judge);
   if (verdict.success) {
     KAZ_TRY(remove_run(kept));
   } else if (!ended.crashed) {

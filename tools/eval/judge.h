@@ -16,7 +16,7 @@
 
 #include "tools/eval/map_truth.h"
 #include "tools/eval/way_watch.h"
-#include "tools/run/session.h"
+#include "tools/run/run_observer.h"
 
 namespace kaz::tools {
 
@@ -67,7 +67,7 @@ struct JudgeOptions {
   bool lies = false;           // the robot lies on the floor at the start and must get up
 };
 
-class Judge final : public Onlooker, public behavior::Sink {
+class Judge final : public RunObserver {
  public:
   explicit Judge(const JudgeOptions& options) : options_(options) {}
   // Watches the obstacle `thing`, which slides into the robot's way. `name`: model name of the obstacle.
@@ -80,8 +80,9 @@ class Judge final : public Onlooker, public behavior::Sink {
   // Like the function above, for a simulator in another process.
   void look(const Truth& truth);
   void map(const behavior::MapReport& report) override;
-  // Call end() when the behavior has ended. Later calls of look() are ignored, because the motors are
-  // switched off then.
+  // Later calls of look() are ignored, because the motors are switched off at the end of the behavior.
+  void ended(const Result<behavior::Outcome>&, double, double) override { end(); }
+  // Like ended(), for a behavior in another process.
   void end() { ended_ = true; }
 
   // Returns whether the trunk was more than 60 degrees from upright at any time. For a robot that lay at the

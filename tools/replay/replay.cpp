@@ -16,7 +16,7 @@
 #include "tools/replay/message_fields.h"
 #include "tools/replay/recorded_backend.h"
 #include "tools/replay/replay_host.h"
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 #include "tools/vision/color_file.h"
 
 namespace kaz::tools {
@@ -43,12 +43,11 @@ std::string topic_of(const sim::McapRecording& recording, const Message& message
   return topic == recording.topics.end() ? "?" : topic->second;
 }
 
-Result<SessionOptions> session_of(const sim::McapRecording& recording,
-                                  const ReplayOptions& options) {
+Result<RunOptions> run_of(const sim::McapRecording& recording, const ReplayOptions& options) {
   auto recorded = KAZ_TRY(recorded_backend(recording, options.file));
   find_beside(recorded.backend, options.file);
-  SessionOptions session;
-  session.behavior = recorded.behavior;
+  RunOptions run;
+  run.behavior = recorded.behavior;
   // Which code is loaded is the user's choice, never the recording's.
   const bool of_plugin = behavior::names_plugin(recorded.behavior);
   if (of_plugin && options.plugin.empty())
@@ -57,13 +56,13 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
   if (!of_plugin && !options.plugin.empty())
     return fail(Fault::usage, options.file + ": the behavior of this run is " + recorded.behavior +
                                   ", not a plug-in: leave out --plugin");
-  if (of_plugin) session.behavior = options.plugin;
-  session.settings = std::move(recorded.settings);
-  session.backend = std::move(recorded.backend);
-  if (options.seed) session.backend.seed = *options.seed;
-  for (const auto& [name, value] : options.settings) session.settings[name] = value;
-  session.requests = [requests = recorded_requests(recording),
-                      next = std::size_t{0}](Time now) mutable {
+  if (of_plugin) run.behavior = options.plugin;
+  run.settings = std::move(recorded.settings);
+  run.backend = std::move(recorded.backend);
+  if (options.seed) run.backend.seed = *options.seed;
+  for (const auto& [name, value] : options.settings) run.settings[name] = value;
+  run.requests = [requests = recorded_requests(recording),
+                  next = std::size_t{0}](Time now) mutable {
     std::vector<std::string> lines;
     for (;
          next < requests.size() && requests[next].first <= static_cast<std::uint64_t>(now.count());
@@ -71,14 +70,13 @@ Result<SessionOptions> session_of(const sim::McapRecording& recording,
       lines.push_back(requests[next].second);
     return lines;
   };
-  session.quiet = true;
-  session.vision = options.vision;
+  run.quiet = true;
+  run.vision = options.vision;
   // Another one if vision is to look for that.
-  if (is_usual(session.vision.ball)) session.vision.ball = recorded.ball;
-  session.watcher = options.watcher;
-  session.label = options.label;
-  session.json = options.json;
-  return session;
+  if (is_usual(run.vision.ball)) run.vision.ball = recorded.ball;
+  run.label = options.label;
+  run.json = options.json;
+  return run;
 }
 
 // Files that the recording's run had otherwise.
@@ -160,6 +158,11 @@ std::optional<Difference> first_difference(const sim::McapRecording& recorded,
   return difference;
 }
 
+RunObserver& observer_of(const ReplayOptions& options) {
+  static RunObserver nobody;
+  return options.observer != nullptr ? *options.observer : nobody;
+}
+
 void print_interrupted(const Error& error, const ReplayOptions& options, const std::string& mode) {
   if (error.fault != Fault::interrupted || !options.json || options.quiet) return;
   nlohmann::ordered_json result{{"recording", options.file}, {"mode", mode}};
@@ -187,26 +190,26 @@ class RecordedHands final : public sim::HandSource {
 
 // Host and simulation from the seed, every message compared.
 Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording& recorded,
-                          SessionOptions session) {
+                          RunOptions run_options) {
   const std::string faults = temporary_file("faults.txt");
   const FileRemover remove_faults(faults);
   if (const auto text = recorded.facts.find("faults");
       text != recorded.facts.end() && !text->second.empty()) {
     KAZ_TRY(write_whole_file(faults, text->second));
-    session.backend.faults = faults;
+    run_options.backend.faults = faults;
   }
   const std::string again = temporary_file("replay.mcap");
   const FileRemover remove_again(again);
-  session.backend.recording = again;
-  session.backend.record_pictures = recorded.has_messages("/eyes/left");
+  run_options.backend.recording = again;
+  run_options.backend.record_pictures = recorded.has_messages("/eyes/left");
   RecordedHands hands(recorded);
-  session.backend.hands = &hands;
+  run_options.backend.hands = &hands;
   // Nothing is simulated past its end; two ticks more, in which its last messages are written.
   if (recorded.ends_early())
-    session.until =
+    run_options.until =
         Time(static_cast<std::int64_t>(recorded.end_ns())) + std::chrono::milliseconds(2);
   // Whether the behavior succeeded does not matter, only whether it did the same.
-  if (auto ran = run_session(session); !ran) {
+  if (auto ran = run(std::move(run_options), observer_of(options)); !ran) {
     print_interrupted(ran.error(), options, "simulation");
     return ran;
   }
@@ -229,22 +232,22 @@ Result<bool> replay(const ReplayOptions& options) {
   if (recorded.messages.empty())
     return fail(Fault::usage,
                 options.file + ": contains no message of a run; record the run again");
-  auto session = KAZ_TRY(session_of(recorded, options));
+  auto run_options = KAZ_TRY(run_of(recorded, options));
   if (options.mode == ReplayMode::host && options.seed)
     return fail(
         Fault::usage,
         "--seed is not valid with --host; leave out --seed, or give --whole instead of --host");
   bool whole = options.mode == ReplayMode::whole || options.seed.has_value();
   if (!whole && options.mode == ReplayMode::by_itself) {
-    const auto alone = KAZ_TRY(host_can_run_alone(recorded, session.behavior));
+    const auto alone = KAZ_TRY(host_can_run_alone(recorded, run_options.behavior));
     whole = !alone;
     if (whole)
       std::fprintf(stderr,
                    "kaz replay: this recording has no pictures, so the simulation runs again too; "
                    "record with\n--record-pictures to run only the host again\n");
   }
-  return whole ? replay_whole(options, recorded, std::move(session))
-               : replay_host(options, recorded, std::move(session));
+  return whole ? replay_whole(options, recorded, std::move(run_options))
+               : replay_host(options, recorded, std::move(run_options));
 }
 
 }  // namespace kaz::tools

@@ -11,6 +11,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
+#include "tools/run/run_observer.h"
 #include "tools/vision/modules.h"
 
 namespace kaz::tools {
@@ -30,9 +31,9 @@ struct ReplayOptions {
   bool quiet = false;                // prints no result
   std::string label = "kaz replay";  // prefix of progress messages
   VisionOptions vision;
-  VisionWatcher* watcher = nullptr;
-  // For mode `host`: the replay ends when the watcher has received this number of pairs. 0: the replay ends
-  // at the end of the recording.
+  RunObserver* observer = nullptr;  // if not null, the observer must outlive the replay
+  // For mode `host`: the replay ends after this number of pairs, as soon as the observer has all pictures
+  // (RunObserver::has_all_pictures). 0: the replay ends at the end of the recording.
   std::uint64_t max_pairs = 0;
   // For mode `host`: called before the run with the recording's camera. If the function returns an error, the
   // replay ends.
@@ -49,6 +50,9 @@ struct Difference {
 };
 std::optional<Difference> first_difference(const sim::McapRecording& recorded,
                                            const sim::McapRecording& now);
+
+// Returns the observer of the replayed run.
+RunObserver& observer_of(const ReplayOptions& options);
 
 // With --json, prints a result which states that the replay was interrupted. Does nothing for errors other
 // than Fault::interrupted.

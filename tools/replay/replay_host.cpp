@@ -22,12 +22,12 @@ using lockstep::HostDifference;
 using lockstep::RecordedRun;
 using lockstep::ReplayedBoard;
 
-// The pairs of the recording, or its first ones: when the watcher has heard of these the recording counts as
-// cut off, so that the host ends, too.
+// The first `max_pairs` pairs of the recording, or all. When the observer has these pairs, the recording
+// counts as cut off, so that the host ends, too.
 class FirstPairs final : public vision::Camera {
  public:
   FirstPairs(ReplayedBoard& board, RecordedRun& run, const ReplayOptions& options)
-      : camera_(board), run_(run), max_(options.max_pairs), watcher_(options.watcher) {}
+      : camera_(board), run_(run), max_(options.max_pairs), observer_(observer_of(options)) {}
   const vision::CameraModel& model() const override { return camera_.model(); }
   Result<std::optional<vision::StereoPair>> poll() override {
     if (max_ == 0 || given_ < max_) {
@@ -35,7 +35,7 @@ class FirstPairs final : public vision::Camera {
       if (pair && *pair) ++given_;
       return pair;
     }
-    if (watcher_ == nullptr || watcher_->full()) {
+    if (observer_.has_all_pictures()) {
       run_.cut_off = true;
       run_.end = 0;
     }
@@ -46,7 +46,7 @@ class FirstPairs final : public vision::Camera {
   lockstep::ReplayCamera camera_;
   RecordedRun& run_;
   std::uint64_t max_, given_ = 0;
-  const VisionWatcher* watcher_;
+  const RunObserver& observer_;
 };
 
 // The recording in the robot's place.
@@ -147,11 +147,11 @@ Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::
 }
 
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
-                         SessionOptions session) {
-  const auto possible = KAZ_TRY(host_can_run_alone(recording, session.behavior));
+                         RunOptions run_options) {
+  const auto possible = KAZ_TRY(host_can_run_alone(recording, run_options.behavior));
   if (!possible)
     return fail(Fault::usage, options.file + ": the recording has no pictures, but " +
-                                  session.behavior +
+                                  run_options.behavior +
                                   " needs pictures; record with --record-pictures, or give --whole "
                                   "to run the simulation again too");
   auto run = KAZ_TRY(RecordedRun::of(recording, options.file));
@@ -161,12 +161,12 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
                 options.file + ": contains nothing that the host sent; record the run again");
   if (options.on_camera) KAZ_TRY(options.on_camera(run.camera));
   ReplayedBoard board(run);
-  session.open_backend =
+  run_options.open_backend =
       [&board, &run,
        &options](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
     return std::make_unique<ReplayBackend>(board, run, options, interrupt);
   };
-  const auto ran = run_session(std::move(session));
+  const auto ran = tools::run(std::move(run_options), observer_of(options));
   // A host that does something else cannot go on, which is the result. Other errors are its own.
   const auto& stopped = board.error();
   if (stopped && stopped->fault == Fault::usage)

@@ -5,7 +5,7 @@
 #include "shared/base/result.hpp"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "tools/replay/replay.h"
-#include "tools/run/session.h"
+#include "tools/run/run_plan.h"
 
 namespace kaz::tools {
 
@@ -15,6 +15,6 @@ Result<bool> host_can_run_alone(const sim::McapRecording& recording, const std::
 // Prints the result. Returns false if the host acted differently than in the recording. `session`: the run to
 // repeat. Fails if the recording cannot be read, or lacks pictures that the behavior needs.
 Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording& recording,
-                         SessionOptions session);
+                         RunOptions run_options);
 
 }  // namespace kaz::tools

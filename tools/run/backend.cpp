@@ -24,9 +24,9 @@
 #include "tools/base/paths.h"
 #include "tools/base/version.h"
 #include "tools/lockstep/lockstep.h"
-#include "tools/run/board_file.h"
 #include "tools/run/line_recorder.h"
 #include "tools/run/live_camera.h"
+#include "tools/run/target.h"
 #include "vision/calibration/calibration_file.h"
 
 namespace kaz::tools {
@@ -181,46 +181,15 @@ class RealBackend final : public SessionBackend {
   std::unique_ptr<LineRecorder> recorder_;  // refers to lines and clock
 };
 
-constexpr std::string_view kBoards = "boards:";
-
-// The boards of --robot, which is not `sim`.
-Result<std::vector<BoardOfFile>> parse_robot(const BackendOptions& options) {
-  const std::string& text = options.robot;
-  if (host::names_port_kind(text))
-    return std::vector{BoardOfFile{KAZ_TRY(host::parse_port_address("--robot", text)),
-                                   options.address, host::kAllJoints, std::nullopt}};
-  if (names_servo_bus(text)) {
-    if (options.robot_file.empty())
-      return fail(Fault::usage,
-                  "--robot " + text +
-                      " needs --robot-file FILE: give the robot's URDF; bus.json must "
-                      "be in the same folder as the URDF");
-    const auto bus = KAZ_TRY(parse_bus(text));
-    if (options.address != KZ_ADDRESS_DEFAULT)
-      return fail(Fault::usage,
-                  "--address is only valid with a board: the ids of servos are in bus.json; leave "
-                  "out --address");
-    if (options.reaction == host::Reaction::limp)
-      return fail(Fault::usage,
-                  "--when-lost limp is not valid with a servo bus: servos have no link watchdog "
-                  "and hold their position when the host is lost; leave out --when-lost");
-    return std::vector{BoardOfFile{bus.port, KZ_ADDRESS_DEFAULT, host::kAllJoints, bus.protocol}};
-  }
-  if (!text.starts_with(kBoards))
-    return fail(Fault::usage,
-                "--robot " + text +
-                    ": no such kind of robot; give sim, serial:PATH[@BAUD] such as "
-                    "serial:/dev/ttyUSB0, can:INTERFACE, tcp:HOST:PORT, rfc2217:HOST:PORT, "
-                    "boards:FILE, feetech:PATH[@BAUD] or dynamixel:PATH[@BAUD]");
-  if (options.address != KZ_ADDRESS_DEFAULT)
-    return fail(Fault::usage, "--address: each board of --robot " + text +
-                                  " has its address in the file; leave out --address");
-  return read_boards(text.substr(kBoards.size()));
-}
-
 struct BusOfFile {
   std::vector<host::BusJoint> joints;  // in the order of a board's numbers
   int baud = 0;
+
+  // Returns the port, with this bus's rate if the port has none.
+  host::PortAddress at(host::PortAddress port) const {
+    if (port.baud == 0) port.baud = baud;
+    return port;
+  }
 };
 
 // The robot's joints with their servos, which must speak `protocol`.
@@ -245,21 +214,28 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   return bus;
 }
 
-Result<std::vector<RealLine>> open_lines(const std::vector<BoardOfFile>& boards,
-                                         const std::string& robot_file,
+Result<RealLine> open_board(const BoardOfFile& board, const host::Interrupt& interrupt) {
+  return RealLine{KAZ_TRY(host::open_port(board.port, &interrupt)), board.address, board.joints};
+}
+
+Result<RealLine> open_bus(const BusTarget& target, const std::string& robot_file,
+                          const host::Interrupt& interrupt) {
+  // A robot file that is wrong is known before the port is opened.
+  const BusOfFile bus = KAZ_TRY(load_bus(robot_file, target.protocol));
+  auto port = KAZ_TRY(host::open_port(bus.at(target.port), &interrupt));
+  return RealLine{KAZ_TRY(host::BusPort::open(std::move(port), bus.joints, &interrupt))};
+}
+
+Result<std::vector<RealLine>> open_lines(const Target& target, const std::string& robot_file,
                                          const host::Interrupt& interrupt) {
   std::vector<RealLine> lines;
-  for (const BoardOfFile& board : boards) {
-    auto address = board.port;
-    BusOfFile bus;
-    if (board.bus) {
-      // A robot file that is wrong is known before the port is opened.
-      bus = KAZ_TRY(load_bus(robot_file, *board.bus));
-      if (address.baud == 0) address.baud = bus.baud;
-    }
-    auto port = KAZ_TRY(host::open_port(address, &interrupt));
-    if (board.bus) port = KAZ_TRY(host::BusPort::open(std::move(port), bus.joints, &interrupt));
-    lines.push_back({std::move(port), board.address, board.joints});
+  if (const auto* bus = std::get_if<BusTarget>(&target)) {
+    lines.push_back(KAZ_TRY(open_bus(*bus, robot_file, interrupt)));
+  } else if (const auto* one = std::get_if<PortTarget>(&target)) {
+    lines.push_back(KAZ_TRY(open_board({one->port, one->address, host::kAllJoints}, interrupt)));
+  } else {
+    for (const BoardOfFile& board : std::get<BoardsTarget>(target).boards)
+      lines.push_back(KAZ_TRY(open_board(board, interrupt)));
   }
   return lines;
 }
@@ -280,12 +256,10 @@ Result<faults::Schedule> line_faults(const BackendOptions& options) {
 }  // namespace
 
 Result<ServoBusOfFile> servo_bus_of(const BackendOptions& options) {
-  const auto boards = KAZ_TRY(parse_robot(options));
-  const BoardOfFile& board = boards.front();
-  auto bus = KAZ_TRY(load_bus(options.robot_file, *board.bus));
-  auto address = board.port;
-  if (address.baud == 0) address.baud = bus.baud;
-  return ServoBusOfFile{*board.bus, std::move(address), std::move(bus.joints)};
+  const auto target = KAZ_TRY(target_of(options));
+  const auto& bus = std::get<BusTarget>(target);
+  auto file = KAZ_TRY(load_bus(options.robot_file, bus.protocol));
+  return ServoBusOfFile{bus.protocol, file.at(bus.port), std::move(file.joints)};
 }
 
 Result<ServoBus> open_servo_bus(const BackendOptions& options, const host::Interrupt& interrupt) {
@@ -322,10 +296,8 @@ Result<void> require_limp(host::BusDriver& driver, std::span<const host::BusJoin
 }
 
 Result<void> check(const BackendOptions& options) {
-  const bool sim_robot = options.robot == "sim";
-  if (!sim_robot) {
-    KAZ_TRY(parse_robot(options));
-  }
+  const bool sim_robot = !options.at_port();
+  KAZ_TRY(target_of(options));
   const bool blind = !sim_robot && options.camera == "sim" && !options.needs_camera;
   if (!blind && sim_robot != (options.camera == "sim")) {
     return fail(Fault::usage,
@@ -457,12 +429,13 @@ Result<std::string> read_memory(const std::string& path) {
 Result<std::unique_ptr<SessionBackend>> SessionBackend::open(const BackendOptions& options,
                                                              host::Interrupt& interrupt) {
   KAZ_TRY(check(options));
-  if (options.robot == "sim") {
+  const Target target = KAZ_TRY(target_of(options));
+  if (std::holds_alternative<SimulatedTarget>(target)) {
     auto simulation = KAZ_TRY(make_simulation(options, sim::FramePolicy::wait));
     return std::make_unique<LockstepBackend>(std::move(simulation), interrupt);
   }
   const auto faults = KAZ_TRY(line_faults(options));
-  auto lines = KAZ_TRY(open_lines(KAZ_TRY(parse_robot(options)), options.robot_file, interrupt));
+  auto lines = KAZ_TRY(open_lines(target, options.robot_file, interrupt));
   auto backend = std::make_unique<RealBackend>(std::move(lines), options, faults, interrupt);
   KAZ_TRY(backend->begin_recording(options));
   return backend;

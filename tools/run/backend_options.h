@@ -71,6 +71,8 @@ struct BackendOptions {
   bool record_pictures = false;
   // Additional names and values for the header of the recording.
   std::vector<std::pair<std::string, std::string>> facts;
+
+  bool at_port() const { return robot != "sim"; }
 };
 
 }  // namespace kaz::tools

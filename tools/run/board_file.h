@@ -3,14 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host/link/port_address.h"
 #include "shared/base/result.hpp"
-#include "shared/servo_bus/registers.h"
 
 namespace kaz::tools {
 
@@ -18,8 +16,6 @@ struct BoardOfFile {
   host::PortAddress port;
   std::uint8_t address = 1;
   std::uint32_t joints = 0;  // bit mask of joints
-  // Protocol of the servo bus at `port`; empty if a board is at the port.
-  std::optional<servo_bus::Protocol> bus;
 };
 
 // Format: {"boards": [{"port": "can:can0", "address": 2, "joints": ["neck_pan", ...]}, ...]} The default

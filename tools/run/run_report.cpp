@@ -223,13 +223,13 @@ const OutputKind& run_output() {
   return kind;
 }
 
-std::string growing_recording(const OutputFolder& folder) {
-  return folder.path("recording.mcap.part");
+std::string growing_recording(const std::string& out) {
+  return out + "/recording.mcap.part";
 }
 
 Result<std::string> place_recording(const OutputFolder& folder) {
   const std::string path = folder.path("recording.mcap");
-  KAZ_TRY(put_in_place(growing_recording(folder), path));
+  KAZ_TRY(put_in_place(growing_recording(folder.folder()), path));
   return path;
 }
 
@@ -242,7 +242,7 @@ ordered_json broken_off_json(const char* outcome, const std::string& sentence,
                              const std::string& behavior, const BackendOptions& backend) {
   ordered_json result{
       {"outcome", outcome}, {"sentence", sentence}, {"behavior", behavior}, {"seed", backend.seed}};
-  if (backend.robot == "sim") {
+  if (!backend.at_port()) {
     result["mcu"] = to_string(backend.mcu);
     result["world"] = backend.world;
     result["dynamics"] = backend.dynamics;

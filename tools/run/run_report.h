@@ -54,8 +54,8 @@ struct RunReport {
 
 // Returns the names of the files that a run writes into its folder.
 const OutputKind& run_output();
-// Returns the path at which the recording is written during the run.
-std::string growing_recording(const OutputFolder& folder);
+// Returns the path at which the recording is written during the run. `out`: path of the results folder.
+std::string growing_recording(const std::string& out);
 // Renames the completed recording to recording.mcap. Returns the new path.
 Result<std::string> place_recording(const OutputFolder& folder);
 

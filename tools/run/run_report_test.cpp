@@ -61,7 +61,8 @@ class Report : public testing::Test {
   behavior::Recording recording_;
   RunReport report_{.recording = recording_};
   NoCamera no_camera_;
-  RememberingCamera camera_{no_camera_};
+  RunObserver observer_;
+  RememberingCamera camera_{no_camera_, observer_};
   Snapshots snapshots_{camera_, nullptr, vision::BallOptions{}};
 };
 

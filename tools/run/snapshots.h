@@ -11,23 +11,23 @@
 #include "host/behavior/sink.h"
 #include "sim/runtime/simulation/simulation.h"
 #include "tools/base/output.h"
+#include "tools/run/run_observer.h"
 #include "vision/color/ball.h"
 #include "vision/image/frame.h"
 
 namespace kaz::tools {
 
-// Passes on the pairs of a camera, and stores the newest pair.
+// Passes on the pairs of a camera, also to the run's observer, and stores the newest pair.
 class RememberingCamera final : public vision::Camera {
  public:
-  explicit RememberingCamera(vision::Camera& camera,
-                             std::function<void(const vision::StereoPair&)> on_pair = {})
-      : camera_(camera), on_pair_(std::move(on_pair)) {}
+  RememberingCamera(vision::Camera& camera, RunObserver& observer)
+      : camera_(camera), observer_(observer) {}
   const vision::CameraModel& model() const override { return camera_.model(); }
   Result<std::optional<vision::StereoPair>> poll() override {
     auto pair = camera_.poll();
     if (pair && *pair) {
       newest_ = **pair;
-      if (on_pair_) on_pair_(*newest_);
+      observer_.pair(*newest_);
     }
     return pair;
   }
@@ -35,7 +35,7 @@ class RememberingCamera final : public vision::Camera {
 
  private:
   vision::Camera& camera_;
-  std::function<void(const vision::StereoPair&)> on_pair_;
+  RunObserver& observer_;
   std::optional<vision::StereoPair> newest_;
 };
 

@@ -26,16 +26,4 @@ Result<std::vector<std::string>> parse_modules(const std::string& list);
 // Adds the modules of `options` to the pipeline, and also the modules that these modules need.
 Result<void> add_modules(const VisionOptions& options, vision::Pipeline& pipeline);
 
-// Observer of the results of vision during a run.
-class VisionWatcher {
- public:
-  virtual ~VisionWatcher() = default;
-  // Called after the modules were added, before the first picture.
-  virtual void begin(vision::Pipeline& pipeline) = 0;
-  // Called after the last picture, also if the run failed.
-  virtual void end(const vision::Pipeline& pipeline) = 0;
-  // Returns true if this observer needs no further frames.
-  virtual bool full() const { return false; }
-};
-
 }  // namespace kaz::tools

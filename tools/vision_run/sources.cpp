@@ -17,6 +17,7 @@
 #include "tools/replay/replay.h"
 #include "tools/run/backend.h"
 #include "tools/run/live_camera.h"
+#include "tools/run/run_observer.h"
 #include "tools/vision/picture_pairs.h"
 #include "tools/vision/report.h"
 #include "tools/vision_run/recorded_pictures.h"
@@ -185,18 +186,18 @@ std::string file_name(const std::string& path) {
 }
 
 // For a run that a recording is of.
-class RecordingWatcher final : public VisionWatcher {
+class RecordingObserver final : public RunObserver {
  public:
-  RecordingWatcher(const VisionOptions& options, const OutputFolder& folder, std::uint64_t count)
+  RecordingObserver(const VisionOptions& options, const OutputFolder& folder, std::uint64_t count)
       : options_(options), folder_(folder), max_(count) {}
-  void begin(vision::Pipeline& pipeline) override {
+  void begin_vision(vision::Pipeline& pipeline) override {
     report_.emplace(pipeline, options_, &folder_, max_);
   }
-  void end(const vision::Pipeline& pipeline) override {
+  void end_vision(const vision::Pipeline& pipeline) override {
     statistics = module_statistics_json(pipeline);
     text = module_statistics_text(pipeline);
   }
-  bool full() const override { return report_ && report_->full(); }
+  bool has_all_pictures() const override { return report_ && report_->full(); }
   VisionReport* report() { return report_ ? &*report_ : nullptr; }
   Json statistics;
   std::string text;
@@ -388,7 +389,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
         Fault::usage,
         options.in + ": the recording has no pictures; record the run with --record-pictures");
   const auto folder = KAZ_TRY(OutputFolder::open(options.out, vision_output()));
-  RecordingWatcher watcher(vision, folder, options.frames);
+  RecordingObserver observer(vision, folder, options.frames);
   ReplayOptions replayed;
   replayed.label = "kaz vision run";
   replayed.file = options.in;
@@ -396,7 +397,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   replayed.quiet = true;
   replayed.json = options.json;
   replayed.vision = vision;
-  replayed.watcher = &watcher;
+  replayed.observer = &observer;
   replayed.max_pairs = options.frames;
   replayed.on_camera = [&](const vision::CameraModel& camera) -> Result<void> {
     KAZ_TRY(check_nearest(options, camera));
@@ -407,18 +408,18 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const bool interrupted = !ran && ran.error().fault == Fault::interrupted;
-  if (!ran && (!interrupted || watcher.report() == nullptr)) return tl::unexpected(ran.error());
-  if (watcher.report() == nullptr)
+  if (!ran && (!interrupted || observer.report() == nullptr)) return tl::unexpected(ran.error());
+  if (observer.report() == nullptr)
     return fail(Fault::usage, options.in + ": no module processed the recording's pictures");
   const std::size_t pairs = recorded.count("/eyes/left");
-  if (ran && !*ran && !watcher.full() && watcher.report()->frames().size() < pairs)
+  if (ran && !*ran && !observer.has_all_pictures() && observer.report()->frames().size() < pairs)
     std::fprintf(
         stderr,
         "kaz vision run: only %zu of %zu recorded pairs were processed, because the repeated run "
         "differed from the recording after these pairs. Perhaps the version of Kaz has changed; "
         "`kaz replay --host %s` prints the first difference\n",
-        watcher.report()->frames().size(), pairs, options.in.c_str());
-  return finish(*watcher.report(), watcher.statistics, watcher.text, options, vision, folder,
+        observer.report()->frames().size(), pairs, options.in.c_str());
+  return finish(*observer.report(), observer.statistics, observer.text, options, vision, folder,
                 interrupted);
 }
 

@@ -8,7 +8,7 @@
 #include "tools/base/paths.h"
 #include "tools/eval/judge.h"
 #include "tools/lockstep/calibrated_joints.h"
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 
 namespace {
 
@@ -42,15 +42,13 @@ Result<std::string> calibrated_memory(tools::BackendOptions backend) {
 
 Result<bool> caught(std::uint64_t seed, std::size_t variant) {
   tools::Judge judge({.ball_radius_m = 0.020});
-  tools::SessionOptions session;
-  session.backend = backend_of(seed, variant);
-  if (variant == 2) session.backend.memory = KAZ_TRY(calibrated_memory(session.backend));
-  session.behavior = "catch-ball";
-  session.quiet = true;
-  session.json = true;
-  session.onlooker = &judge;
-  session.on_end = [&](const auto&, double, double) { judge.end(); };
-  const auto claimed = KAZ_TRY(tools::run_session(session));
+  tools::RunOptions run;
+  run.backend = backend_of(seed, variant);
+  if (variant == 2) run.backend.memory = KAZ_TRY(calibrated_memory(run.backend));
+  run.behavior = "catch-ball";
+  run.quiet = true;
+  run.json = true;
+  const auto claimed = KAZ_TRY(tools::run(run, judge));
   const bool held = judge.held_s() >= kHeld_s && !judge.fell();
   std::fprintf(stderr, "seed %llu, %s: %s, held %.1f s%s\n", static_cast<unsigned long long>(seed),
                kVariants[variant], claimed ? "claims it" : "no catch", judge.held_s(),

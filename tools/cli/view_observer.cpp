@@ -1,6 +1,6 @@
 // What vision makes of a run's pictures, for viewers.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/cli/vision_channels.h"
+#include "tools/cli/view_observer.h"
 
 #include <functional>
 #include <string>
@@ -33,7 +33,7 @@ void show(vision::Pipeline& pipeline, viewer::View& view, const std::string& mod
 
 }  // namespace
 
-void VisionChannels::begin(vision::Pipeline& pipeline) {
+void ViewObserver::begin_vision(vision::Pipeline& pipeline) {
   show<vision::DepthImage>(pipeline, view_, "depth",
                            [](const vision::StereoImages&, const vision::DepthImage& depth) {
                              return figure::depth_picture(depth);

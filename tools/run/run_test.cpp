@@ -1,6 +1,6 @@
-// Sessions: what is written of a run that is worth keeping, and of one that is not.
+// The results of a run are written only if the observer keeps them.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run/session.h"
+#include "tools/run/run.h"
 
 #include <gtest/gtest.h>
 
@@ -13,22 +13,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Session, WritesResultsOfARunThatIsWorthKeeping) {
+class Keeper final : public RunObserver {
+ public:
+  explicit Keeper(bool keeps) : keeps_(keeps) {}
+  void ended(const Result<behavior::Outcome>&, double, double) override { ended_ = true; }
+  bool is_worth_keeping() override {
+    EXPECT_TRUE(ended_);
+    return keeps_;
+  }
+
+ private:
+  bool keeps_, ended_ = false;
+};
+
+TEST(Run, WritesResultsOfARunThatIsWorthKeeping) {
   for (const bool keeps : {true, false}) {
     SCOPED_TRACE(keeps);
     const std::string folder = make_temporary_folder("kaz-session-").value();
-    SessionOptions options;
+    RunOptions options;
     options.behavior = "stand";
     options.backend.mcu = sim::McuKind::native;
     options.out = folder + "/out";
     options.quiet = options.json = true;
-    bool ended = false;
-    options.on_end = [&](const Result<behavior::Outcome>&, double, double) { ended = true; };
-    options.worth_keeping = [&] {
-      EXPECT_TRUE(ended);
-      return keeps;
-    };
-    const auto ran = run_session(options);
+    Keeper keeper(keeps);
+    const auto ran = run(options, keeper);
     ASSERT_TRUE(ran) << ran.error().message;
     EXPECT_TRUE(*ran);
     EXPECT_EQ(fs::exists(folder + "/out/result.json"), keeps);
