@@ -1,4 +1,4 @@
-// Text of flashing diagnostics.
+// Makes errors of flashing diagnostics.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/flash/diagnostic.h"
 
@@ -11,20 +11,17 @@
 
 namespace kaz::host {
 
-std::string text_of(const Diagnostic& diagnostic) {
-  std::string text = one_line(diagnostic.what);
-  if (!diagnostic.expected.empty()) text += "\n  expected: " + one_line(diagnostic.expected);
-  if (!diagnostic.came.empty()) text += "\n  found:    " + one_line(diagnostic.came);
-  if (!diagnostic.causes.empty()) text += "\n  likely causes, in this order:";
+tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic) {
+  Error error{.fault = fault, .message = one_line(diagnostic.what)};
+  const auto add = [&error](const std::string& line) { error.details.push_back(line); };
+  if (!diagnostic.expected.empty()) add("expected: " + one_line(diagnostic.expected));
+  if (!diagnostic.came.empty()) add("found:    " + one_line(diagnostic.came));
+  if (!diagnostic.causes.empty()) add("likely causes, in this order:");
   int number = 0;
   for (const std::string& cause : diagnostic.causes)
-    text += "\n    " + std::to_string(++number) + ". " + one_line(cause);
-  if (!diagnostic.next.empty()) text += "\n  next: " + one_line(diagnostic.next);
-  return text;
-}
-
-tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic) {
-  return kaz::fail(fault, text_of(diagnostic));
+    add("  " + std::to_string(++number) + ". " + one_line(cause));
+  if (!diagnostic.next.empty()) add("next: " + one_line(diagnostic.next));
+  return tl::unexpected(std::move(error));
 }
 
 std::string hex_of(const std::vector<std::uint8_t>& bytes) {

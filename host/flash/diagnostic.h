@@ -17,8 +17,8 @@ struct Diagnostic {
   std::string next;                 // next step, for example a command
 };
 
-// Returns several lines without a final newline. Line breaks within the members become spaces.
-std::string text_of(const Diagnostic& diagnostic);
+// Returns an error whose message is `what`; the other members are its details. Line breaks within the members
+// become spaces.
 tl::unexpected<Error> fail(Fault fault, const Diagnostic& diagnostic);
 
 // Returns up to 16 bytes as text, such as "4b 80 00"; "nothing" if `bytes` is empty.

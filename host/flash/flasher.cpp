@@ -244,9 +244,7 @@ Result<void> Flasher::enter_boot(BoardReset& reset) {
   Result<void> entered;
   int excuses = options_.lateness ? LatenessMeter::kRepetitions : 0;
   for (int k = 0, tries = kBootTries; k < tries; ++k) {
-    if (k > 0)
-      report_line("retrying boot mode: " +
-                  entered.error().message.substr(0, entered.error().message.find('\n')));
+    if (k > 0) report_line("retrying boot mode: " + entered.error().message);
     report_progress("boot", 0, static_cast<std::uint32_t>(program_.size()));
     if (entered = reset.reset(true); !entered) return entered;
     state_ = State::boot_mode;

@@ -83,7 +83,8 @@ std::string addresses_text(const std::vector<std::uint8_t>& addresses) {
   return text;
 }
 
-Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error) {
+Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error,
+                      const std::string& advice) {
   const auto found = find_boards(link, clock);
   if (!found || found->empty()) return error;
   const std::string first = std::to_string(found->front());
@@ -93,7 +94,7 @@ Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error erro
   return {Fault::environment,
           "no board answers at address " + std::to_string(address) + " on " + link.name() +
               ", but " + (one ? "a board answers at " : "boards answer at ") +
-              addresses_text(*found) + ": give --address " + first +
+              addresses_text(*found) + ": " + advice + first +
               ", or move that board with `kaz recover " + robot_option(link.name()) +
               (one ? "" : " --found-at " + first) +
               (address == KZ_ADDRESS_DEFAULT ? "" : " --address " + std::to_string(address)) + "`"};

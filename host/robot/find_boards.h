@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/link/link.h"
+#include "host/robot/robot_types.h"
 #include "shared/protocol/messages.h"
 
 namespace kaz::host {
@@ -29,8 +30,9 @@ Result<std::vector<std::uint8_t>> find_boards(Link& link, Clock& clock,
 std::string addresses_text(const std::vector<std::uint8_t>& addresses);
 
 // Explains why the board at `address` did not reply. `error`: the error of the failed request. If only boards
-// at other addresses answer, returns an error message with these addresses. The message also contains the
-// command-line option that selects such an address. Otherwise returns `error`.
-Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error);
+// at other addresses answer, returns an error message with these addresses. `advice`: text before the address
+// that the user should choose. Otherwise returns `error`.
+Error explain_silence(Link& link, Clock& clock, std::uint8_t address, Error error,
+                      const std::string& advice = kAddressAdvice);
 
 }  // namespace kaz::host

@@ -66,8 +66,8 @@ Result<Robot> Robot::connect(std::span<const RobotBoard> boards, Clock& clock,
         parts->requester.statistics().bytes_in ? parts->requester.recent_frames() : std::string();
     Error error = parts->for_good(found.error());
     if (parts->requester.timed_out() && boards.size() == 1)
-      error =
-          explain_silence(*boards.front().link, clock, boards.front().address, std::move(error));
+      error = explain_silence(*boards.front().link, clock, boards.front().address, std::move(error),
+                              options.address_advice);
     return tl::unexpected(std::move(error));
   }
   // Once more: this answer also relates the clocks.

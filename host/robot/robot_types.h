@@ -139,6 +139,9 @@ struct Loss {
   std::string why;  // error message of the link or the board
 };
 
+// Text before the address that a user should choose, in errors of commands with the option --address.
+inline constexpr const char* kAddressAdvice = "give --address ";
+
 struct ConnectOptions {
   std::uint8_t address = KZ_ADDRESS_DEFAULT;
   int retries = 5;  // maximum number of times that a request without a reply is sent again
@@ -158,6 +161,9 @@ struct ConnectOptions {
   std::string frames_path = {};
   // Joint names for messages, indexed by joint number; empty: the names of Kaz's joints.
   std::vector<std::string> joint_names = {};
+  // Advice of the error if no board answers at its address, but another board does: the text before the
+  // found address.
+  std::string address_advice = kAddressAdvice;
 };
 
 // One of the boards that drive a robot together.

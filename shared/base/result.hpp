@@ -6,6 +6,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -25,7 +26,16 @@ struct Error {
   Fault fault = Fault::environment;
   std::string message;
   bool disk_full = false;
+  // Further lines for users, such as likely causes. Programs print them below the message.
+  std::vector<std::string> details = {};
 };
+
+// Returns the message and the details. Each detail is a line that begins with two spaces.
+inline std::string full_text(const Error& error) {
+  std::string text = error.message;
+  for (const std::string& detail : error.details) text += "\n  " + detail;
+  return text;
+}
 
 template <class T>
 using Result = tl::expected<T, Error>;

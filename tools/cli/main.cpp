@@ -30,22 +30,10 @@ namespace {
 
 constexpr int kUsage = static_cast<int>(kaz::Fault::usage);
 
-// One line, whatever names from files and ports the message contains. Diagnostics of flashing have indented
-// lines of their own (host/flash/diagnostic.h).
-std::string printed(const std::string& name, const std::string& message) {
-  std::string text;
-  for (std::size_t from = 0; from <= message.size();) {
-    std::size_t end = message.size();
-    if (name.starts_with("kaz flash")) end = std::min(message.find("\n  ", from), end);
-    text +=
-        (from == 0 ? "" : "\n") + kaz::one_line(std::string_view(message).substr(from, end - from));
-    from = end + 1;
-  }
-  return text;
-}
-
 int report(const std::string& name, const kaz::Error& error) {
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), printed(name, error.message).c_str());
+  // The message may contain names from files and ports, with line breaks.
+  const kaz::Error printed{.message = kaz::one_line(error.message), .details = error.details};
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), kaz::full_text(printed).c_str());
   return kaz::tools::exit_status(error);
 }
 
@@ -54,7 +42,7 @@ void report_json(CLI::App& verb, const kaz::Error& error) {
   const CLI::Option* json = verb.get_option_no_throw("--json");
   if (json == nullptr || json->count() == 0 || kaz::tools::json_printed()) return;
   if (json->get_expected_max() > 0) return;  // names a file, whose report has its own end
-  kaz::tools::print_json({{"error", error.message},
+  kaz::tools::print_json({{"error", kaz::full_text(error)},
                           {"exit_code", kaz::tools::exit_status(error)},
                           {"provenance", kaz::tools::provenance_json()}});
 }

@@ -101,7 +101,7 @@ void Answer::finish(const std::string& verb, const Result<void>& done) {
   if (!json_) return;
   nlohmann::ordered_json all{{"ok", done.has_value()}, {"verb", verb}};
   if (!done) {
-    all["error"] = done.error().message;
+    all["error"] = full_text(done.error());
     all["exit_code"] = exit_status(done.error());
     if (done.error().fault == Fault::interrupted) mark_interrupted(all);
   }

@@ -115,14 +115,14 @@ Result<void> FlashSession::open() {
 }
 
 tl::unexpected<Error> FlashSession::nobody() const {
-  return fail(Fault::environment,
-              host::text_of({"no firmware and no loader answers on " + link_->name(),
-                             "a Kaz board at 115200 baud",
-                             "no valid reply",
-                             {"the board's flash is blank and needs boot mode",
-                              "this is the wrong port", "the board has no power"},
-                             "kaz flash write IMAGE " + host::robot_option(link_->name()) +
-                                 " --reset dtr-rts (or ctl:PATH, or manual)"}));
+  return host::fail(Fault::environment,
+                    host::Diagnostic{"no firmware and no loader answers on " + link_->name(),
+                                     "a Kaz board at 115200 baud",
+                                     "no valid reply",
+                                     {"the board's flash is blank and needs boot mode",
+                                      "this is the wrong port", "the board has no power"},
+                                     "kaz flash write IMAGE " + host::robot_option(link_->name()) +
+                                         " --reset dtr-rts (or ctl:PATH, or manual)"});
 }
 
 Result<void> FlashSession::enter(const host::FlashImage* image) {
@@ -176,18 +176,21 @@ Error FlashSession::start_again(const Error& error) {
     return error;
   const host::CleanUp clean_up(interrupt_);
   const auto started = flasher_->run(nullptr);
-  if (started) return {error.fault, error.message + "; the board was started again"};
+  const auto with = [&error](const std::string& state) {
+    Error all = error;
+    all.message += "; " + state;
+    return all;
+  };
+  if (started) return with("the board was started again");
   if (started.error().fault == Fault::failed) return error;  // it has no application
-  return {error.fault,
-          error.message +
-              "; the board waits in its loader, which starts the application after 10 s; `kaz "
-              "flash run " +
-              host::robot_option(port()) + "` starts the application immediately"};
+  return with(
+      "the board waits in its loader, which starts the application after 10 s; `kaz flash run " +
+      host::robot_option(port()) + "` starts the application immediately");
 }
 
 Error FlashSession::with_advice(Error error) const {
   const std::string left = flasher_ ? flasher_->left_behind() : "";
-  if (!left.empty()) error.message += "\n  left: " + left;
+  if (!left.empty()) error.details.push_back("left: " + left);
   return error;
 }
 

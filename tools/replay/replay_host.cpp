@@ -14,6 +14,7 @@
 #include "tools/base/provenance.h"
 #include "tools/lockstep/replayed_board.h"
 #include "tools/run/live_camera.h"
+#include "tools/run/run.h"
 
 namespace kaz::tools {
 namespace {
@@ -172,7 +173,7 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
   if (stopped && stopped->fault == Fault::usage)
     return fail(Fault::usage, options.file + ": " + stopped->message + "; record the run again");
   if (!ran) print_interrupted(ran.error(), options, "host");
-  if (!ran && (!stopped || ran.error().message.find(stopped->message) == std::string::npos))
+  if (!ran && (!stopped || ran.error().fault == Fault::interrupted))
     return tl::unexpected(ran.error());
   board.finish();
   if (!options.quiet) print(options, run, board);

@@ -65,23 +65,16 @@ Result<host::Robot> connect(const RunPlan& plan, SessionBackend& backend, RunClo
   const auto on_resumed = [&label, connecting](const host::Resumption& resumption) {
     print_resumption(label, resumption, connecting);
   };
-  auto robot = host::Robot::connect(backend.boards(), clock,
-                                    {.reaction = plan.backend().reaction,
-                                     .reconnect = from_seconds(plan.backend().reconnect_s),
-                                     .on_lost = on_lost,
-                                     .on_resumed = on_resumed,
-                                     .frames_path = frames_path,
-                                     .joint_names = plan.backend().joints});
-  const auto* boards = std::get_if<BoardsTarget>(&plan.target());
-  if (!robot && boards != nullptr) {
-    // The file, not an option, has the address of each board.
-    std::string& sentence = robot.error().message;
-    constexpr std::string_view kOption = "give --address ";
-    if (const auto at = sentence.find(kOption); at != std::string::npos)
-      sentence.replace(at, kOption.size(),
-                       "change the board's address in " + boards->file + " to ");
-  }
-  return robot;
+  host::ConnectOptions options{.reaction = plan.backend().reaction,
+                               .reconnect = from_seconds(plan.backend().reconnect_s),
+                               .on_lost = on_lost,
+                               .on_resumed = on_resumed,
+                               .frames_path = frames_path,
+                               .joint_names = plan.backend().joints};
+  // The file, not an option, has the address of each board.
+  if (const auto* boards = std::get_if<BoardsTarget>(&plan.target()))
+    options.address_advice = "change the board's address in " + boards->file + " to ";
+  return host::Robot::connect(backend.boards(), clock, options);
 }
 
 Result<void> print_round_trip(const RunPlan& plan, host::Robot& robot, const host::PortLink& port) {

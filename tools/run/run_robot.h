@@ -9,6 +9,7 @@
 
 #include "host/link/interrupt.h"
 #include "host/robot/robot.h"
+#include "tools/base/output_file.h"
 #include "tools/kept/kept_run.h"
 #include "tools/run/backend.h"
 #include "tools/run/run_observer.h"

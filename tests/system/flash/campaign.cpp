@@ -138,7 +138,7 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   const std::vector<std::uint8_t> writer{std::istreambuf_iterator<char>(file), {}};
   const auto loaded = FlashImage::load(image_path);
   if (!loaded) {
-    run.fault = loaded.error().message;
+    run.fault = full_text(loaded.error());
     return run;
   }
   const FlashImage& before = *loaded;
@@ -196,10 +196,10 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   run.reported_success = done.has_value();
   run.stands = standing(bench, before, next);
   char text[160];
-  std::snprintf(
-      text, sizeof text, "seed %llu: %s, %s at %.3f s: %s", static_cast<unsigned long long>(seed),
-      kWays[static_cast<int>(plan.way)], kKinds[static_cast<int>(plan.kind)], at_s,
-      done ? "done" : done.error().message.substr(0, done.error().message.find('\n')).c_str());
+  std::snprintf(text, sizeof text, "seed %llu: %s, %s at %.3f s: %s",
+                static_cast<unsigned long long>(seed), kWays[static_cast<int>(plan.way)],
+                kKinds[static_cast<int>(plan.kind)], at_s,
+                done ? "done" : done.error().message.c_str());
   run.text = text;
   const bool guarded =
       plan.kind == Kind::wrong_board || plan.kind == Kind::truncated || plan.kind == Kind::foreign;
@@ -228,7 +228,7 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   // And the board can be flashed again.
   const auto again = flash(bench, plan.way, next, writer);
   if (!again) {
-    blame("it cannot be flashed again: " + again.error().message);
+    blame("it cannot be flashed again: " + full_text(again.error()));
   } else if (bench.running_image() != next.identity()->crc) {
     blame("flashed again, it does not run");
   }

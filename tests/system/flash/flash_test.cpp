@@ -186,7 +186,7 @@ TEST(Flash, AnImageForAnotherBoardChangesNothing) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().fault, Fault::failed);
   for (const char* part : {"another board", "expected:", "found:", "1. ", "next:", "2128"})
-    EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
+    EXPECT_NE(full_text(report.error()).find(part), std::string::npos) << report.error().message;
   EXPECT_TRUE(holds(bench, firmware()));
   FlasherOptions force;
   force.force = true;
@@ -238,7 +238,8 @@ TEST(Flash, AnImageCutOffWithinTheLoaderIsRefused) {
     ASSERT_FALSE(checked) << end;
     EXPECT_EQ(checked.error().fault, Fault::usage);
     for (const char* part : {"loader", "cut off", "found:"})
-      EXPECT_NE(checked.error().message.find(part), std::string::npos) << checked.error().message;
+      EXPECT_NE(full_text(checked.error()).find(part), std::string::npos)
+          << checked.error().message;
   }
   // A byte of the loader, and a vector.
   for (const std::uint32_t at : {0xc100u, 0x0u, 0x3ffu}) {
@@ -302,8 +303,8 @@ TEST(Flash, NobodyThereSaysWhatToLookAt) {
   EXPECT_FALSE(*none);
   const auto entered = flasher.enter_boot(bench);
   ASSERT_FALSE(entered);
-  EXPECT_NE(entered.error().message.find("not in boot mode"), std::string::npos);
-  EXPECT_NE(entered.error().message.find("found:    nothing"), std::string::npos);
+  EXPECT_NE(full_text(entered.error()).find("not in boot mode"), std::string::npos);
+  EXPECT_NE(full_text(entered.error()).find("found:    nothing"), std::string::npos);
 }
 
 TEST(Flash, WornBlockIsNamed) {
@@ -315,13 +316,13 @@ TEST(Flash, WornBlockIsNamed) {
   ASSERT_TRUE(flasher.enter_loader());
   const auto report = flasher.write(changed(kBuildId, 1));
   ASSERT_FALSE(report);
-  EXPECT_NE(report.error().message.find("EB4"), std::string::npos) << report.error().message;
-  EXPECT_NE(report.error().message.find("worn"), std::string::npos);
+  EXPECT_NE(full_text(report.error()).find("EB4"), std::string::npos) << report.error().message;
+  EXPECT_NE(full_text(report.error()).find("worn"), std::string::npos);
   // Through boot mode the chip says so itself.
   Flasher boot(bench, bench, writer(), {});
   const auto entered = boot.enter_boot(bench);
   ASSERT_FALSE(entered);
-  EXPECT_NE(entered.error().message.find("cannot erase"), std::string::npos);
+  EXPECT_NE(full_text(entered.error()).find("cannot erase"), std::string::npos);
 }
 
 TEST(Flash, ReadsWhatStandsThere) {
@@ -352,7 +353,7 @@ TEST(Flash, VerifyLooksAtVectorsAndLoaderToo) {
     const auto verified = flasher.verify(image);
     ASSERT_FALSE(verified) << at;
     EXPECT_EQ(verified.error().fault, Fault::failed);
-    EXPECT_NE(verified.error().message.find("vectors or loader (EB0, EB6) differ"),
+    EXPECT_NE(full_text(verified.error()).find("vectors or loader (EB0, EB6) differ"),
               std::string::npos)
         << verified.error().message;
   }
@@ -383,7 +384,7 @@ TEST(Flash, ACopyOfAnotherBoardLeavesCalibrationAndAddress) {
   EXPECT_EQ(notes[2].find("EB3 keeps the board's address: the image"), 0u) << notes[2];
   const auto verified = flasher.verify(copy);
   ASSERT_FALSE(verified);
-  EXPECT_NE(verified.error().message.find("calibration or address (EB1 to EB3) differ"),
+  EXPECT_NE(full_text(verified.error()).find("calibration or address (EB1 to EB3) differ"),
             std::string::npos)
       << verified.error().message;
   EXPECT_TRUE(flasher.verify(changed(kBuildId, 0x55)));
@@ -433,7 +434,7 @@ TEST(Flash, AFileOfTheLoadersBlockAloneIsRefusedThroughTheLoader) {
   EXPECT_EQ(report.error().fault, Fault::usage);
   for (const char* part :
        {"cannot write any part of the image", "only bytes in EB0, EB6", "--reset"})
-    EXPECT_NE(report.error().message.find(part), std::string::npos) << report.error().message;
+    EXPECT_NE(full_text(report.error()).find(part), std::string::npos) << report.error().message;
   EXPECT_TRUE(flasher.check(loader, true)) << "boot mode writes all of it";
   loader.put(0x8000, std::array<std::uint8_t, 4>{1, 2, 3, 4});
   EXPECT_TRUE(flasher.check(loader, false)) << "EB5 can be written";
@@ -464,7 +465,7 @@ TEST(Flash, ALateProgramDoesNotGiveUpAHealthyBoard) {
   const auto never = host::WriterLink(meter, meter, &meter).info(kPatience, 1);
   ASSERT_FALSE(never);
   EXPECT_EQ(never.error().fault, Fault::environment);
-  EXPECT_NE(never.error().message.find("1. this machine is too busy"), std::string::npos)
+  EXPECT_NE(full_text(never.error()).find("1. this machine is too busy"), std::string::npos)
       << never.error().message;
 }
 
@@ -476,7 +477,7 @@ TEST(Flash, ADeadBoardIsGivenUpWithoutMoreTries) {
   const auto dead = link.info(milliseconds(60), 4);
   ASSERT_FALSE(dead);
   EXPECT_EQ(link.repeated(), 3);
-  EXPECT_EQ(dead.error().message.find("too busy"), std::string::npos) << dead.error().message;
+  EXPECT_EQ(full_text(dead.error()).find("too busy"), std::string::npos) << dead.error().message;
 }
 
 TEST(Flash, NoiseIsRepeatedAway) {
