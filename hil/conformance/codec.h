@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::hil {
 

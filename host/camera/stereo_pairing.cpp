@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/camera/stereo_pairing.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 

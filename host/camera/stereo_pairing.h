@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "vision/image/frame.h"
+#include "shared/base/time.hpp"
 
 namespace kaz::host {
 

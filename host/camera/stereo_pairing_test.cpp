@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "shared/base/random.hpp"
@@ -57,7 +58,8 @@ TEST(StereoPairing, WhatHasNoPartnerIsDroppedAndCounted) {
   EXPECT_TRUE(all(pairing).empty());
   for (int i = 24; i < 30; i += 3) pairing.add(EyeSide::right, at(i * 10ms + 1ms));
   EXPECT_EQ(all(pairing).size(), 2u);
-  EXPECT_EQ(pairing.without_partner(EyeSide::left), 26u);  // all before 27 but 24; 28, 29 still wait
+  EXPECT_EQ(pairing.without_partner(EyeSide::left),
+            26u);  // all before 27 but 24; 28, 29 still wait
   EXPECT_EQ(pairing.without_partner(EyeSide::right), 0u);
   pairing.add(EyeSide::right, at(400ms));
   EXPECT_TRUE(all(pairing).empty());

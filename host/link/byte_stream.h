@@ -10,7 +10,7 @@
 #include "host/link/interrupt.h"
 #include "shared/base/descriptor.hpp"
 #include "shared/base/result.hpp"
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::host {
 

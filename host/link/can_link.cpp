@@ -4,6 +4,7 @@
 
 #include <linux/can.h>
 #include <linux/can/error.h>
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 

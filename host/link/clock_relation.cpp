@@ -3,6 +3,7 @@
 #include "host/link/clock_relation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "shared/board/board.h"
 

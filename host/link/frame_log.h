@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "shared/base/time.hpp"
 #include "shared/protocol/frame.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 

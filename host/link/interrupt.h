@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "shared/base/result.hpp"
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::host {
 

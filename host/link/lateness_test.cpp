@@ -1,5 +1,7 @@
 // Lateness is measured with a clock of the test, on which time passes only in waits and as the test wants.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <deque>
 
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::host {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::host {
 

@@ -13,7 +13,6 @@
 
 #include <Eigen/Geometry>
 
-#include "vision/image/frame.h"
 #include "vision/planes/plane_segments.h"
 
 namespace kaz::map {

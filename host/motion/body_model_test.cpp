@@ -3,6 +3,7 @@
 #include "host/motion/body_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>

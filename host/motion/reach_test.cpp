@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/motion/reach.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace kaz::motion {

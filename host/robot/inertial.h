@@ -8,8 +8,8 @@
 
 #include <numbers>
 
+#include "shared/base/time.hpp"
 #include "shared/board/board.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 

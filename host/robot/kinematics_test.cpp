@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/robot/kinematics.h"
 
+#include <cmath>
+#include <string>
+#include <utility>
+
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "host/robot/inertial.h"
+#include "shared/base/time.hpp"
 #include "shared/board/board.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::host {
 

@@ -10,8 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "vision/image/frame.h"
-
 namespace kaz::vision {
 
 class Remap {

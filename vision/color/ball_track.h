@@ -26,8 +26,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "shared/base/time.hpp"
 #include "vision/color/ball.h"
-#include "vision/image/frame.h"
 
 namespace kaz::vision {
 

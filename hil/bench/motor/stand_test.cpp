@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

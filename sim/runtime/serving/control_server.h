@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "shared/base/time.hpp"
 #include "shared/faults/faults.h"
 #include "sim/runtime/serving/unix_listener.h"
-#include "vision/image/frame.h"
 
 namespace kaz::sim {
 

@@ -24,8 +24,8 @@
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "shared/base/time.hpp"
 #include "sim/runtime/serving/unix_listener.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

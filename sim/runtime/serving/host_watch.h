@@ -6,8 +6,9 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::sim {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "vision/image/frame.h"  // Time
+#include "shared/base/time.hpp"
 
 namespace kaz::sim {
 

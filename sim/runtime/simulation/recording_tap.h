@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "shared/base/time.hpp"
 #include "sim/runtime/formats/mcap_writer.h"
-#include "vision/image/frame.h"  // Time
 
 namespace kaz::sim {
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/studies/gait/gait.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -195,7 +196,7 @@ TEST(PortLock, AForeignClientAndKazExcludeEachOther) {
   EXPECT_EQ(run(status).exit_code, 0) << "the lock of a killed program is gone";
 
   Process behavior(kaz({"run", "track-ball", "--robot", "serial:" + (folder / "board"), "--camera",
-                         folder / "eyes", "--duration", "60"}));
+                        folder / "eyes", "--duration", "60"}));
   ASSERT_TRUE(behavior.wait_for_output("search", seconds(20))) << behavior.wait(seconds(0)).err;
   const Finished refused = run(foreign(folder / "board"));
   EXPECT_EQ(refused.exit_code, 1) << refused.out;
