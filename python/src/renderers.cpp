@@ -15,7 +15,7 @@ class Shared final : public sim::Renderer {
     return {};
   }
   Result<void> render(const sim::ScenePose& pose, const sim::View& view,
-                      sim::Picture& picture) override {
+                      vision::Image& picture) override {
     return KAZ_TRY(all_.mine())->render(pose, view, picture);
   }
 

@@ -194,7 +194,7 @@ Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limit
   };
   if (!decoder.header()) return error(DecodeError::Kind::invalid);
   if (!within(limits, decoder.width(), decoder.height())) return error(DecodeError::Kind::size);
-  RgbPicture picture{static_cast<int>(decoder.width()), static_cast<int>(decoder.height()), {}};
+  Image picture{static_cast<int>(decoder.width()), static_cast<int>(decoder.height()), {}};
   picture.rgb.resize(decoder.width() * decoder.height() * 3);
   if (!decoder.pixels(picture.rgb)) return error(DecodeError::Kind::invalid);
   return picture;

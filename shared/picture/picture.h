@@ -34,7 +34,7 @@ inline bool valid(const PixelView& pixels) {
 }
 
 // 8-bit RGB, rows from top to bottom, no padding.
-struct RgbPicture {
+struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
@@ -68,6 +68,6 @@ struct DecodeError {
   std::uint64_t width = 0, height = 0;  // px
 };
 
-using Decoded = tl::expected<RgbPicture, DecodeError>;
+using Decoded = tl::expected<Image, DecodeError>;
 
 }  // namespace kaz::picture

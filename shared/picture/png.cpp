@@ -111,7 +111,7 @@ Decoded decode_png(std::span<const std::uint8_t> bytes, const SizeLimits& limits
     return error(DecodeError::Kind::invalid);
   if (!within(limits, png.width, png.height)) return error(DecodeError::Kind::size);
   png.format = PNG_FORMAT_RGB;
-  RgbPicture picture{static_cast<int>(png.width), static_cast<int>(png.height), {}};
+  Image picture{static_cast<int>(png.width), static_cast<int>(png.height), {}};
   picture.rgb.resize(PNG_IMAGE_SIZE(png));
   const png_color black{0, 0, 0};
   if (!png_image_finish_read(&png, &black, picture.rgb.data(), 0, nullptr))

@@ -4,24 +4,17 @@
 // Implementations: OpenGL (sim/render/gl) and the project's own rasterizer (sim/render/raster).
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
 #include "sim/body/description/scene.h"
+#include "vision/image/frame.h"
 
 namespace kaz::sim {
-
-// Picture in 8-bit RGB. Rows are stored from top to bottom, without padding.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-};
 
 // Pinhole camera: pixel (u, v) = (fx x/z + cx, fy y/z + cy) in the optical frame (x right, y down, z
 // forward). Pixel centers are at integer coordinates.
@@ -60,7 +53,7 @@ class Renderer {
   // not available. Any thread may call render(). Two calls of render() must not run at the same time. Shadow
   // maps are reused if the pose has not changed. Therefore render the left and the right picture of a pair
   // directly one after the other.
-  virtual Result<void> render(const ScenePose& pose, const View& view, Picture& picture) = 0;
+  virtual Result<void> render(const ScenePose& pose, const View& view, vision::Image& picture) = 0;
 };
 
 // Makes a renderer with off-screen Mesa (llvmpipe), which rasterizes in the calling thread. `backend` is

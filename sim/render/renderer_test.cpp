@@ -25,8 +25,8 @@ class Renderers : public testing::TestWithParam<RendererKind> {
   }
 };
 
-Picture draw(Renderer& renderer, const ScenePose& pose, const View& view) {
-  Picture picture;
+vision::Image draw(Renderer& renderer, const ScenePose& pose, const View& view) {
+  vision::Image picture;
   const Result<void> drawn = renderer.render(pose, view, picture);
   EXPECT_TRUE(drawn.has_value()) << drawn.error().message;
   return picture;
@@ -39,7 +39,7 @@ struct Blob {
   double radius() const { return std::sqrt(area / 3.14159265358979323846); }
 };
 
-Blob red_blob(const Picture& p) {
+Blob red_blob(const vision::Image& p) {
   Blob blob;
   for (int v = 0; v < p.height; ++v) {
     for (int u = 0; u < p.width; ++u) {
@@ -176,14 +176,14 @@ TEST_P(Renderers, ABallCastsAShadowOnTheGround) {
   const int ball = s.add_ball({0.4, 0, 0.02});
   const auto renderer = renderer_for(s.scene);
   const View view = eye_view();
-  const Picture on = draw(*renderer, s.pose, view);
+  const vision::Image on = draw(*renderer, s.pose, view);
   s.pose.frames[static_cast<std::size_t>(ball)].translation().z() = 5;
-  const Picture off = draw(*renderer, s.pose, view);
+  const vision::Image off = draw(*renderer, s.pose, view);
   // From the centre the key light's ray goes on (-0.55, 0.50, -1): it meets the ground 0.011 m
   // behind and 0.010 m to the left. That is under the ball; a ray past its left side lands further
   // left.
   const Eigen::Vector2d at = project(view, {0.4 - 0.015, 0.03, 0});
-  const auto brightness = [&](const Picture& p) {
+  const auto brightness = [&](const vision::Image& p) {
     const auto u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
     return p.rgb[static_cast<std::size_t>(v * p.width + u) * 3 + 1];
   };
@@ -194,14 +194,14 @@ TEST_P(Renderers, SamePictureBitForBit) {
   const TestScene s = table_scene();
   const View view = eye_view();
   const auto first = renderer_for(s.scene);
-  const Picture a = draw(*first, s.pose, view);
+  const vision::Image a = draw(*first, s.pose, view);
   // Another pose, another size and another renderer in between change nothing.
   TestScene moved = s;
   moved.pose.frames[2].translation().x() += 0.1;
   draw(*first, moved.pose, eye_view(640));
   const auto second = renderer_for(s.scene);
-  const Picture b = draw(*second, s.pose, view);
-  const Picture c = draw(*first, s.pose, view);
+  const vision::Image b = draw(*second, s.pose, view);
+  const vision::Image c = draw(*first, s.pose, view);
   EXPECT_EQ(a.rgb, b.rgb);
   EXPECT_EQ(a.rgb, c.rgb);
 }
@@ -209,18 +209,18 @@ TEST_P(Renderers, SamePictureBitForBit) {
 TEST_P(Renderers, MayMoveToAnotherThread) {
   const TestScene s = table_scene();
   const auto renderer = renderer_for(s.scene);
-  const Picture here = draw(*renderer, s.pose, eye_view());
-  Picture there;
+  const vision::Image here = draw(*renderer, s.pose, eye_view());
+  vision::Image there;
   std::thread([&] { there = draw(*renderer, s.pose, eye_view()); }).join();
   EXPECT_EQ(here.rgb, there.rgb);
 }
 
 TEST_P(Renderers, TwoThreadsDrawAtOnce) {
   const TestScene s = table_scene();
-  Picture pictures[2];
+  vision::Image pictures[2];
   {
     std::vector<std::jthread> threads;
-    for (Picture& picture : pictures) {
+    for (vision::Image& picture : pictures) {
       threads.emplace_back([&] {
         const auto renderer = renderer_for(s.scene);
         for (int i = 0; i < 5; ++i) picture = draw(*renderer, s.pose, eye_view());
@@ -234,7 +234,7 @@ TEST_P(Renderers, RefusesWhatCannotBeDrawn) {
   TestScene s;
   s.add_ball({0.4, 0, 0.02});
   const auto renderer = renderer_for(s.scene);
-  Picture picture;
+  vision::Image picture;
   View view = eye_view();
   EXPECT_FALSE(renderer->render(ScenePose{}, view, picture));
   view.camera.width = 0;
@@ -283,8 +283,8 @@ TEST_P(Renderers, TheLampTurnsAndDims) {
   s.add(Shape::Kind::box, {0.1, 0.1, 0.1}, {0.6, 0, 0.05}, {0.8F, 0.8F, 0.8F});
   const auto renderer = renderer_for(s.scene);
   View view = eye_view();
-  const Picture usual = draw(*renderer, s.pose, view);
-  const auto red = [&view](const Picture& p, const Eigen::Vector3d& at) {
+  const vision::Image usual = draw(*renderer, s.pose, view);
+  const auto red = [&view](const vision::Image& p, const Eigen::Vector3d& at) {
     const Eigen::Vector2d pixel = project(view, at).array().round();
     return static_cast<int>(p.rgb[static_cast<std::size_t>(pixel.y() * p.width + pixel.x()) * 3]);
   };
@@ -292,21 +292,21 @@ TEST_P(Renderers, TheLampTurnsAndDims) {
   const Eigen::Vector3d left(0.57, 0.075, 0), right(0.57, -0.075, 0);
   EXPECT_LT(red(usual, left), red(usual, right) - 20);
   view.light.to_key = {0, 0.8, 0.6};
-  const Picture turned = draw(*renderer, s.pose, view);
+  const vision::Image turned = draw(*renderer, s.pose, view);
   EXPECT_GT(red(turned, left), red(turned, right) + 20);
   view.light.key = 0;  // no lamp, no shadow
-  const Picture overcast = draw(*renderer, s.pose, view);
+  const vision::Image overcast = draw(*renderer, s.pose, view);
   EXPECT_NEAR(red(overcast, left), red(overcast, right), 1);
   view.light = {};
   EXPECT_EQ(draw(*renderer, s.pose, view).rgb, usual.rgb);
   view.light.to_key = {1, 0, 0};
-  Picture none;
+  vision::Image none;
   EXPECT_FALSE(renderer->render(s.pose, view, none));
 }
 
 TEST_P(Renderers, AnEmptySceneIsBackground) {
   TestScene s;
-  const Picture p = draw(*renderer_for(s.scene), s.pose, eye_view(16));
+  const vision::Image p = draw(*renderer_for(s.scene), s.pose, eye_view(16));
   EXPECT_EQ(p.width, 16);
   EXPECT_EQ(p.height, 12);
   EXPECT_EQ(p.rgb.size(), 16U * 12 * 3);

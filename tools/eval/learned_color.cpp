@@ -47,7 +47,7 @@ Result<vision::Image> take_picture(sim::Simulation& simulation, const Scenario& 
   view.world_from_optical =
       sim::look_at(eye, {lesson.ball_x_m, lesson.ball_y_m, lesson.ball_radius_m});
   view.camera = camera.pinhole();
-  sim::Picture picture;
+  vision::Image picture;
   if (backend.eyes == sim::EyeKind::ideal) {
     picture = KAZ_TRY(simulation.picture(view, pose));
   } else {
@@ -56,7 +56,7 @@ Result<vision::Image> take_picture(sim::Simulation& simulation, const Scenario& 
     const auto wide = KAZ_TRY(simulation.picture(view, pose));
     sensor.expose(wide, 0, picture);
   }
-  return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
+  return picture;
 }
 
 // The head is turned to the ball, so that it is in the picture's middle.

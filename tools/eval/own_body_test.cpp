@@ -30,7 +30,7 @@ TEST(OwnBody, HidesWhatItHidesInAPicture) {
   view.light.key = 0;  // no shadow
   const auto drawn = [&](const sim::Scene& scene) {
     auto renderer = sim::make_raster_renderer().value();
-    sim::Picture picture;
+    vision::Image picture;
     EXPECT_TRUE(renderer->set_scene(scene));
     EXPECT_TRUE(renderer->render((*world)->pose(), view, picture));
     return picture.rgb;

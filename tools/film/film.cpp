@@ -38,10 +38,6 @@ constexpr int kSeenWidth = kEyeWidth - 2 * figure::kFrame_px,
               kSeenHeight = kEyeHeight - 2 * figure::kFrame_px;
 constexpr std::size_t kMaxPictures = 100'000;
 
-vision::Image as_image(sim::Picture picture) {
-  return {picture.width, picture.height, std::move(picture.rgb)};
-}
-
 // Poses between two that are recorded.
 sim::ScenePose between(const RecordedPoses& a, const RecordedPoses& b, Time at,
                        std::size_t frames) {
@@ -226,9 +222,9 @@ Result<const figure::Image*> Film::eye_at(Time now, const sim::ScenePose& pose,
     view.world_from_optical = world_from_eye;
     view.samples_per_axis = 2;
     view.light = scene_.light;
-    sim::Picture picture;
+    figure::Image picture;
     KAZ_TRY(renderer_->render(pose, view, picture));
-    eye_ = figure::framed(as_image(std::move(picture)));
+    eye_ = figure::framed(picture);
   }
   return &eye_;
 }
@@ -247,9 +243,8 @@ Result<figure::Image> Film::draw(std::size_t number) {
                                               : between(before, *after, now, before.frames.size());
   const Eigen::Isometry3d last = pose.frames.back();
   pose.frames.resize(scene_.frames.size());
-  sim::Picture outside;
-  KAZ_TRY(renderer_->render(pose, outside_view(scene_, camera_->at(now), kWidth), outside));
-  figure::Image picture = as_image(std::move(outside));
+  figure::Image picture;
+  KAZ_TRY(renderer_->render(pose, outside_view(scene_, camera_->at(now), kWidth), picture));
   const figure::Image* eye = KAZ_TRY(eye_at(now, pose, last));
   const auto [left, top] = corner_->place();
   figure::paste(picture, *eye, left, top);

@@ -165,10 +165,9 @@ Result<std::vector<std::string>> write_start_and_end(const RunReport& report,
   std::vector<std::string> names;
   for (const auto& [name, pose] : {std::pair{"start.png", *report.start_pose},
                                    std::pair{"end.png", simulation->world().pose()}}) {
-    auto drawn =
+    const auto drawn =
         KAZ_TRY(simulation->picture(outside_view(scene, framing_of(scene, pose), kWidth), pose));
-    KAZ_TRY(
-        figure::write_png(folder.path(name), {drawn.width, drawn.height, std::move(drawn.rgb)}));
+    KAZ_TRY(figure::write_png(folder.path(name), drawn));
     names.emplace_back(name);
   }
   return names;

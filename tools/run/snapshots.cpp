@@ -66,8 +66,7 @@ void Snapshots::take(Time now, const std::string& shown) {
 Result<vision::Image> Snapshots::outside(const Snapshot& snapshot) const {
   if (simulation_ == nullptr) return vision::Image{};
   const sim::View view = onlooker_view(snapshot.near, snapshot.extent_m);
-  auto picture = KAZ_TRY(simulation_->picture(view, snapshot.pose));
-  return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
+  return simulation_->picture(view, snapshot.pose);
 }
 
 Result<std::vector<MomentPictures>> Snapshots::draw() const {

@@ -13,17 +13,12 @@
 namespace kaz::tools {
 namespace {
 
-vision::Image image_of(sim::Picture picture) {
-  return {picture.width, picture.height, std::move(picture.rgb)};
-}
-
 Result<vision::Image> outside(sim::Simulation& simulation) {
   sim::View view;
   view.camera = sim::Pinhole::from_horizontal_view(960, 720, 0.6);
   view.world_from_optical = sim::look_at({0.85, -0.75, 0.5}, {0.16, 0, 0.13});
   view.samples_per_axis = 2;
-  auto picture = KAZ_TRY(simulation.picture(view, simulation.world().pose()));
-  return image_of(std::move(picture));
+  return simulation.picture(view, simulation.world().pose());
 }
 
 // One eye: what a pinhole at its place would give, and what its lens and sensor make of it.
@@ -42,9 +37,9 @@ Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& cam
   view.world_from_optical = view.world_from_optical * sensor.mounting_from_optical();
   view.camera = sensor.ideal();
   const auto wide = KAZ_TRY(simulation.picture(view, pose));
-  sim::Picture raw;
+  vision::Image raw;
   sensor.expose(wide, 0, raw);
-  return EyePictures{image_of(std::move(ideal)), image_of(std::move(raw))};
+  return EyePictures{std::move(ideal), std::move(raw)};
 }
 
 }  // namespace

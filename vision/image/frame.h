@@ -21,6 +21,7 @@
 
 #include "shared/base/result.hpp"
 #include "shared/base/time.hpp"
+#include "shared/picture/picture.h"
 
 namespace kaz::vision {
 
@@ -32,11 +33,7 @@ struct CameraModel {
   double baseline_m = 0;  // position of the right lens along +x of the left optical frame
 };
 
-// 8-bit RGB, rows from top to bottom, no padding.
-struct Image {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-};
+using picture::Image;
 
 struct StereoImages {
   Image left, right;

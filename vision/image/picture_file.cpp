@@ -38,7 +38,7 @@ tl::unexpected<Error> bad_size(const std::string& name, std::uint64_t width, std
 
 Result<Image> image_of(picture::Decoded decoded, const std::string& format,
                        const std::string& name) {
-  if (decoded) return Image{decoded->width, decoded->height, std::move(decoded->rgb)};
+  if (decoded) return *std::move(decoded);
   const picture::DecodeError& error = decoded.error();
   if (error.kind == picture::DecodeError::Kind::size)
     return bad_size(name, error.width, error.height);

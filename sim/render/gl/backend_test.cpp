@@ -11,17 +11,17 @@
 namespace kaz::sim {
 namespace {
 
-Result<Picture> draw(const std::string& backend) {
+Result<vision::Image> draw(const std::string& backend) {
   const TestScene s = table_scene();
   auto renderer = KAZ_TRY(make_renderer(backend));
   KAZ_TRY(renderer->set_scene(s.scene));
-  Picture picture;
+  vision::Image picture;
   KAZ_TRY(renderer->render(s.pose, eye_view(), picture));
   return picture;
 }
 
 TEST(Backend, EglDrawsWhatOsmesaDraws) {
-  const Result<Picture> osmesa = draw("osmesa"), egl = draw("egl");
+  const Result<vision::Image> osmesa = draw("osmesa"), egl = draw("egl");
   ASSERT_TRUE(osmesa) << osmesa.error().message;
   ASSERT_TRUE(egl) << egl.error().message;
   // Both are llvmpipe in the same version with the same settings. Should one of them come from
@@ -40,7 +40,7 @@ TEST(Backend, BothMayDrawInTurn) {
   const auto first = make_renderer("osmesa"), second = make_renderer("egl");
   ASSERT_TRUE(first && second);
   ASSERT_TRUE((*first)->set_scene(s.scene) && (*second)->set_scene(s.scene));
-  Picture a, b, again;
+  vision::Image a, b, again;
   ASSERT_TRUE((*first)->render(s.pose, eye_view(), a));
   ASSERT_TRUE((*second)->render(s.pose, eye_view(), b));
   ASSERT_TRUE((*first)->render(s.pose, eye_view(), again));

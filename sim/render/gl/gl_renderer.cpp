@@ -42,7 +42,7 @@ class GlRenderer final : public Renderer {
     return {};
   }
 
-  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+  Result<void> render(const ScenePose& pose, const View& view, vision::Image& picture) override {
     if (!model_) return fail(Fault::usage, "a renderer needs a scene before its first picture");
     if (auto checked = check_view(model_->frames, pose, view); !checked) return checked;
     if (!context_) {
@@ -100,7 +100,7 @@ class GlRenderer final : public Renderer {
     return &targets_.back();
   }
 
-  Result<void> read_back(const Target& target, int n, Picture& picture) {
+  Result<void> read_back(const Target& target, int n, vision::Image& picture) {
     samples_.resize(static_cast<std::size_t>(target.width) *
                     static_cast<std::size_t>(target.height) * 4);
     gl_->PixelStorei(GL_PACK_ALIGNMENT, 4);

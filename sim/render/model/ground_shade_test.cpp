@@ -90,7 +90,7 @@ TEST(GroundShade, TheTablesPictureIsTheSameWithTheMapLookedUpEverywhere) {
     View view = eye_view(320);
     const auto renderer = std::move(*maker_of(kind)());
     ASSERT_TRUE(renderer->set_scene(s.scene));
-    Picture parts;
+    vision::Image parts;
     ASSERT_TRUE(renderer->render(s.pose, view, parts));
     // A second ground in the same frame, far below, makes both together not flat.
     Visual below = s.scene.visuals.front();
@@ -99,7 +99,7 @@ TEST(GroundShade, TheTablesPictureIsTheSameWithTheMapLookedUpEverywhere) {
     s.scene.visuals.push_back(below);
     const auto other = std::move(*maker_of(kind)());
     ASSERT_TRUE(other->set_scene(s.scene));
-    Picture all;
+    vision::Image all;
     ASSERT_TRUE(other->render(s.pose, view, all));
     EXPECT_EQ(parts.rgb, all.rgb);
   }

@@ -66,7 +66,7 @@ class RasterRenderer final : public Renderer {
     return {};
   }
 
-  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+  Result<void> render(const ScenePose& pose, const View& view, vision::Image& picture) override {
     if (!scene_) return fail(Fault::usage, "a renderer needs a scene before its first picture");
     if (auto checked = check_view(scene_->model.frames, pose, view); !checked) return checked;
     const bool soft = view.samples_per_axis > 1;
@@ -88,9 +88,9 @@ class RasterRenderer final : public Renderer {
   void take_pose(const ScenePose& pose);
   void take_view(const ScenePose& pose, const View& view, const ShadowMap& map);
   void mark_blocks(const ScenePose& pose, const View& view, const ShadowMap& map);
-  void draw(const View& view, Picture& picture);
+  void draw(const View& view, vision::Image& picture);
   void fill_band(int top, int bottom);
-  void shade_band(int n, Picture& picture);
+  void shade_band(int n, vision::Image& picture);
 
   struct Drawn {
     Batch batch;
@@ -247,7 +247,7 @@ void RasterRenderer::fill_band(int top, int bottom) {
     kernels_.fill(scene_->vertices, d.batch, d.projection, target_, primitives_);
 }
 
-void RasterRenderer::shade_band(int n, Picture& picture) {
+void RasterRenderer::shade_band(int n, vision::Image& picture) {
   const int width = target_.right - target_.left;
   const auto row_bytes = 3 * static_cast<std::size_t>(picture.width);
   for (int y = target_.top; y < target_.bottom; ++y) {
@@ -265,7 +265,7 @@ void RasterRenderer::shade_band(int n, Picture& picture) {
   }
 }
 
-void RasterRenderer::draw(const View& view, Picture& picture) {
+void RasterRenderer::draw(const View& view, vision::Image& picture) {
   const int n = view.samples_per_axis;
   const PicturePart part =
       view.part.value_or(PicturePart{0, 0, view.camera.width, view.camera.height});

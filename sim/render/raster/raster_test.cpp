@@ -25,24 +25,24 @@ std::vector<InstructionSet> available_sets() {
   return sets;
 }
 
-Picture draw(Renderer& renderer, const ScenePose& pose, const View& view) {
-  Picture picture;
+vision::Image draw(Renderer& renderer, const ScenePose& pose, const View& view) {
+  vision::Image picture;
   const Result<void> drawn = renderer.render(pose, view, picture);
   EXPECT_TRUE(drawn) << drawn.error().message;
   return picture;
 }
 
-Picture draw(std::unique_ptr<Renderer> renderer, const TestScene& s, const View& view) {
+vision::Image draw(std::unique_ptr<Renderer> renderer, const TestScene& s, const View& view) {
   const Result<void> set = renderer->set_scene(s.scene);
   EXPECT_TRUE(set) << set.error().message;
   return draw(*renderer, s.pose, view);
 }
 
 // By the widest set; the others must draw the same bytes.
-Picture raster(const TestScene& s, const View& view) {
-  Picture first;
+vision::Image raster(const TestScene& s, const View& view) {
+  vision::Image first;
   for (const InstructionSet set : available_sets()) {
-    const Picture picture = draw(make_raster_with(set), s, view);
+    const vision::Image picture = draw(make_raster_with(set), s, view);
     EXPECT_EQ(picture.rgb.size(), 3U * static_cast<std::size_t>(picture.width * picture.height));
     if (first.rgb.empty()) first = picture;
     EXPECT_TRUE(picture.rgb == first.rgb) << "set " << static_cast<int>(set);
@@ -50,7 +50,7 @@ Picture raster(const TestScene& s, const View& view) {
   return first;
 }
 
-Picture opengl(const TestScene& s, const View& view) {
+vision::Image opengl(const TestScene& s, const View& view) {
   return draw(std::move(*make_opengl_renderer()), s, view);
 }
 
@@ -60,9 +60,9 @@ struct Difference {
       0;  // of those, pixels outside of what the other picture's 3 x 3 pixels around range over
 };
 
-Difference difference(const Picture& a, const Picture& b) {
+Difference difference(const vision::Image& a, const vision::Image& b) {
   Difference found;
-  const auto at = [](const Picture& p, int u, int v, int c) -> int {
+  const auto at = [](const vision::Image& p, int u, int v, int c) -> int {
     return p.rgb[static_cast<std::size_t>((v * p.width + u) * 3 + c)];
   };
   int count = 0;
@@ -91,7 +91,7 @@ Difference difference(const Picture& a, const Picture& b) {
 
 void expect_alike(const TestScene& s, const View& view, const std::string& what,
                   double max_bias = 0.05) {
-  const Picture ours = raster(s, view), reference = opengl(s, view);
+  const vision::Image ours = raster(s, view), reference = opengl(s, view);
   ASSERT_EQ(ours.rgb.size(), reference.rgb.size()) << what;
   const Difference found = difference(ours, reference);
   EXPECT_LT(found.different, 0.01) << what;
@@ -154,7 +154,7 @@ TEST(Raster, ThePairIsTwoPictures) {
   ASSERT_TRUE(renderer->set_scene(s.scene));
   for (int i = 0; i < 3; ++i) {
     s.pose.frames.back().translation().x() -= 0.01;
-    const Picture one = draw(*renderer, s.pose, left), other = draw(*renderer, s.pose, right);
+    const vision::Image one = draw(*renderer, s.pose, left), other = draw(*renderer, s.pose, right);
     EXPECT_EQ(one.rgb, draw(std::move(*make_raster_renderer()), s, left).rgb);
     EXPECT_EQ(other.rgb, draw(std::move(*make_raster_renderer()), s, right).rgb);
   }
@@ -164,11 +164,11 @@ TEST(Raster, APartIsThatOfTheWholePicture) {
   for (const TestScene& s : {room("wood"), table_scene()}) {
     for (const int samples : {1, 3}) {
       View view = outside_view(samples);
-      const Picture whole = raster(s, view);
+      const vision::Image whole = raster(s, view);
       for (const PicturePart part :
            {PicturePart{0, 0, 240, 180}, {0, 0, 1, 1}, {239, 179, 240, 180}, {33, 20, 190, 131}}) {
         view.part = part;
-        const Picture drawn = raster(s, view);
+        const vision::Image drawn = raster(s, view);
         ASSERT_EQ(drawn.rgb.size(), whole.rgb.size());
         for (int v = part.top; v < part.bottom; ++v) {
           const std::size_t first = 3 * static_cast<std::size_t>(v * 240 + part.left);
@@ -184,7 +184,7 @@ TEST(Raster, APartIsThatOfTheWholePicture) {
   View view = outside_view(1);
   const auto renderer = std::move(*make_raster_renderer());
   ASSERT_TRUE(renderer->set_scene(room("").scene));
-  Picture picture;
+  vision::Image picture;
   for (const PicturePart part : {PicturePart{0, 0, 241, 180}, {5, 5, 5, 6}, {0, -1, 4, 4}}) {
     view.part = part;
     EXPECT_FALSE(renderer->render(room("").pose, view, picture));
@@ -227,7 +227,7 @@ TEST(Raster, EmptyScenesAndPicturesOfAnySize) {
     view.camera = Pinhole::from_horizontal_view(width, height, 1.2);
     for (int samples = 1; samples <= 4; ++samples) {
       view.samples_per_axis = samples;
-      const Picture ours = raster(s, view), reference = opengl(s, view);
+      const vision::Image ours = raster(s, view), reference = opengl(s, view);
       ASSERT_EQ(ours.rgb.size(), reference.rgb.size());
       for (std::size_t i = 0; i < ours.rgb.size(); ++i)
         EXPECT_NEAR(ours.rgb[i], reference.rgb[i], 6) << width << " x " << height;

@@ -17,10 +17,10 @@ inline vision::Image take(Renderer& renderer, const ScenePose& pose, const Senso
   View view;
   view.camera = sensor.ideal();
   view.world_from_optical = world_from_eye * sensor.mounting_from_optical();
-  Picture ideal, picture;
+  vision::Image ideal, picture;
   EXPECT_TRUE(renderer.render(pose, view, ideal));
   sensor.expose(ideal, exposure, picture);
-  return {picture.width, picture.height, picture.rgb};
+  return picture;
 }
 
 }  // namespace kaz::sim

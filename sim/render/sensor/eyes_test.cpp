@@ -31,7 +31,7 @@ class Grounds : public testing::TestWithParam<const char*> {
   }
 
   vision::BallObservation look(const View& view) {
-    Picture picture;
+    vision::Image picture;
     EXPECT_TRUE(renderer_->render(scene_.pose, view, picture));
     const vision::Image image{picture.width, picture.height, picture.rgb};
     return detector_.detect(image, info_of(view));

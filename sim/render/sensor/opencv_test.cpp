@@ -140,7 +140,7 @@ class Camera {
     // The model is compared, not the raster: with one sample a pixel, an edge along the rows may lie
     // anywhere within a pixel and look the same.
     view.samples_per_axis = 4;
-    Picture ideal, picture;
+    vision::Image ideal, picture;
     const ScenePose pose = board_.pose(view.world_from_optical, at, turn);
     const auto drawn = renderer_.render(pose, view, ideal);
     EXPECT_TRUE(drawn) << drawn.error().message;

@@ -32,7 +32,7 @@ class RealEye {
  private:
   Sensor sensor_;
   vision::Remap rectification_;
-  Picture ideal_, raw_;  // memory that take() reuses
+  vision::Image ideal_, raw_;  // memory that take() reuses
 };
 
 }  // namespace kaz::sim

@@ -143,7 +143,8 @@ Eigen::Isometry3d Sensor::mounting_from_optical() const {
   return pose;
 }
 
-void Sensor::expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const {
+void Sensor::expose(const vision::Image& ideal, std::uint64_t exposure,
+                    vision::Image& picture) const {
   picture.width = lens_.size().width;
   picture.height = lens_.size().height;
   const std::size_t row = 3 * static_cast<std::size_t>(picture.width);
@@ -162,7 +163,7 @@ void Sensor::expose(const Picture& ideal, std::uint64_t exposure, Picture& pictu
   }
 }
 
-void Sensor::bend(const Picture& ideal, Picture& picture) const {
+void Sensor::bend(const vision::Image& ideal, vision::Image& picture) const {
   picture.width = lens_.size().width;
   picture.height = lens_.size().height;
   lens_.apply(ideal.rgb, picture.rgb);

@@ -70,9 +70,9 @@ class Sensor {
   const PicturePart& ideal_part() const { return ideal_part_; }
   // Applies lens, vignetting, noise and quantization. `ideal` must have the width and height of ideal().
   // Pixels that are not exposed keep their codes in `picture`.
-  void expose(const Picture& ideal, std::uint64_t exposure, Picture& picture) const;
+  void expose(const vision::Image& ideal, std::uint64_t exposure, vision::Image& picture) const;
   // Applies only lens and vignetting, and rounds the codes. This function is for tests of the geometry.
-  void bend(const Picture& ideal, Picture& picture) const;
+  void bend(const vision::Image& ideal, vision::Image& picture) const;
 
  private:
   Pinhole ideal_;

@@ -117,7 +117,7 @@ TEST(Sensor, TheSameSeedAndExposureGiveTheSameBytes) {
   const EyeModel model;
   const auto calibration = make_calibration(model, 1, 0.04);
   const Sensor sensor(model, calibration, Sensor::Eye::left, 5);
-  Picture ideal{sensor.ideal().width, sensor.ideal().height, {}}, a, b;
+  vision::Image ideal{sensor.ideal().width, sensor.ideal().height, {}}, a, b;
   ideal.rgb.assign(static_cast<std::size_t>(ideal.width * ideal.height) * 3, 140);
   sensor.expose(ideal, 12, a);
   Sensor(model, calibration, Sensor::Eye::left, 5).expose(ideal, 12, b);
@@ -135,7 +135,7 @@ TEST(Sensor, WhatALimitLeavesOutRectifiedPicturesDoNotShow) {
     const auto calibration = make_calibration(model, unit, 0.04);
     const vision::Remap remap = vision::rectification(calibration, calibration.right);
     Sensor sensor(model, calibration, Sensor::Eye::right, 5);
-    Picture ideal{sensor.ideal().width, sensor.ideal().height, {}}, all, limited;
+    vision::Image ideal{sensor.ideal().width, sensor.ideal().height, {}}, all, limited;
     Random random(unit);
     for (int i = 0; i < ideal.width * ideal.height * 3; ++i)
       ideal.rgb.push_back(static_cast<std::uint8_t>(random.below(256)));
@@ -166,7 +166,7 @@ TEST(Sensor, CornersAreDarkerByTheVignetting) {
   EyeModel model;
   model.centre_spread = 0;
   const Sensor sensor(model, make_calibration(model, 1, 0.04), Sensor::Eye::left, 1);
-  Picture ideal{sensor.ideal().width, sensor.ideal().height, {}}, bent;
+  vision::Image ideal{sensor.ideal().width, sensor.ideal().height, {}}, bent;
   ideal.rgb.assign(static_cast<std::size_t>(ideal.width * ideal.height) * 3, 200);
   sensor.bend(ideal, bent);
   EXPECT_EQ(bent.rgb[(120 * 320 + 160) * 3], 200);

@@ -16,7 +16,7 @@ void pair(benchmark::State& state, int width, RendererKind kind) {
   if (!renderer->set_scene(s.scene)) state.SkipWithError("the scene was refused");
   View left = eye_view(width), right = left;
   right.world_from_optical.translate(Eigen::Vector3d(kEyeBaseline_m, 0, 0));
-  Picture picture;
+  vision::Image picture;
   if (!renderer->render(s.pose, left, picture)) state.SkipWithError("the renderer did not start");
   for (auto _ : state) {
     s.pose.frames.back().translation().x() += 1e-5;
@@ -37,7 +37,7 @@ void sensor(benchmark::State& state, int width) {
   TestScene s = table_scene();
   const auto renderer = std::move(*maker_of(kDefaultRenderer)());
   View view = eye_view(width);
-  Picture ideal[2], pictures[2];
+  vision::Image ideal[2], pictures[2];
   bool drawn = renderer->set_scene(s.scene).has_value();
   for (int i = 0; i < 2 && drawn; ++i) {
     view.camera = (i == 0 ? left : right).ideal();

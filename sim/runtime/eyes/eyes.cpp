@@ -17,10 +17,6 @@ namespace {
 constexpr std::size_t max_under_way = 3;  // rendering jobs in flight
 constexpr std::size_t max_kept = 8;       // pairs queued for the host
 
-vision::Image take_image(Picture& picture) {
-  return {picture.width, picture.height, std::move(picture.rgb)};
-}
-
 // Delivered if rendering failed; the simulation's next step returns the error.
 vision::Image black(const Pinhole& camera) {
   const auto bytes = static_cast<std::size_t>(camera.width) * camera.height * 3;
@@ -76,12 +72,8 @@ Result<void> Eyes::draw(Renderer& renderer, const ScenePose& pose, const View& l
     return optics->right.take(renderer, pose, right, sequence, pair.right);
   }
   const ProfileScope part("drawing");
-  Picture pictures[2];
-  KAZ_TRY(renderer.render(pose, left, pictures[0]));
-  KAZ_TRY(renderer.render(pose, right, pictures[1]));
-  pair.left = take_image(pictures[0]);
-  pair.right = take_image(pictures[1]);
-  return {};
+  KAZ_TRY(renderer.render(pose, left, pair.left));
+  return renderer.render(pose, right, pair.right);
 }
 
 Result<Eyes::Kept> Eyes::kept_of(const vision::StereoImages& pair, Keep keep) {

@@ -38,7 +38,7 @@ class GatedRenderer final : public Renderer {
  public:
   explicit GatedRenderer(Gate& gate) : gate_(gate) {}
   Result<void> set_scene(const Scene&) override { return {}; }
-  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+  Result<void> render(const ScenePose& pose, const View& view, vision::Image& picture) override {
     gate_.pass();
     return TestRenderer().render(pose, view, picture);
   }
@@ -52,7 +52,7 @@ class LightRenderer final : public Renderer {
  public:
   explicit LightRenderer(std::vector<double>& keys) : keys_(keys) {}
   Result<void> set_scene(const Scene&) override { return {}; }
-  Result<void> render(const ScenePose& pose, const View& view, Picture& picture) override {
+  Result<void> render(const ScenePose& pose, const View& view, vision::Image& picture) override {
     keys_.push_back(view.light.key);
     return TestRenderer().render(pose, view, picture);
   }

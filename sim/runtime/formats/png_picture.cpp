@@ -33,7 +33,7 @@ Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image) {
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes) {
   auto decoded = picture::decode_png(bytes, png_limits, picture::PngWarnings::are_errors);
   if (!decoded) return fail(Fault::failed, reason_text(decoded.error()));
-  return vision::Image{decoded->width, decoded->height, std::move(decoded->rgb)};
+  return *std::move(decoded);
 }
 
 }  // namespace kaz::sim

@@ -349,13 +349,13 @@ std::uint64_t Simulation::pairs_dropped() const {
   return eyes_ ? eyes_->left_out() : 0;
 }
 
-Result<Picture> Simulation::picture(const View& view, const ScenePose& pose) {
-  std::promise<Result<Picture>> promise;
+Result<vision::Image> Simulation::picture(const View& view, const ScenePose& pose) {
+  std::promise<Result<vision::Image>> promise;
   auto future = promise.get_future();
   View lit = view;
   lit.light = world_->scene().light;
   draws_.submit([&promise, &lit, &pose](const Result<Renderer*>& renderer) {
-    Picture picture;
+    vision::Image picture;
     if (!renderer) return promise.set_value(tl::unexpected(renderer.error()));
     if (auto drawn = (*renderer)->render(pose, lit, picture); !drawn)
       return promise.set_value(tl::unexpected(drawn.error()));

@@ -134,7 +134,7 @@ class Simulation {
   std::uint64_t pairs_dropped() const;
   // Renders the world at `pose` (from World::pose()) with an observer's camera. Blocks until the picture is
   // complete.
-  Result<Picture> picture(const View& view, const ScenePose& pose);
+  Result<vision::Image> picture(const View& view, const ScenePose& pose);
 
   ServoBoard& board() { return board_; }
   const ServoBoard& board() const { return board_; }

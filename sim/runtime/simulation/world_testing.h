@@ -77,7 +77,7 @@ class TestWorld final : public World {
 class TestRenderer final : public Renderer {
  public:
   Result<void> set_scene(const Scene&) override { return {}; }
-  Result<void> render(const ScenePose&, const View& view, Picture& picture) override {
+  Result<void> render(const ScenePose&, const View& view, vision::Image& picture) override {
     picture.width = view.camera.width;
     picture.height = view.camera.height;
     picture.rgb.assign(static_cast<std::size_t>(picture.width) * picture.height * 3, 7);

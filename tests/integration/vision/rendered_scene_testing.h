@@ -77,9 +77,9 @@ class RenderedScene {
     const vision::CameraModel& c = camera();
     view.camera = {c.width, c.height, c.fx, c.fy, c.cx, c.cy};
     view.world_from_optical = eye_;
-    Picture picture;
+    vision::Image picture;
     EXPECT_TRUE(renderer.render(scene_.pose, view, picture));
-    return {picture.width, picture.height, picture.rgb};
+    return picture;
   }
 
   // Returns the true surface at (u, v) of the rectified left picture.

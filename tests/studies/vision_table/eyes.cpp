@@ -51,7 +51,7 @@ Result<vision::Image> Eyes::raw(sim::Renderer& renderer, const sim::ScenePose& p
   // A pixel from one to the next; the lens blurs by as much.
   const int parts = 1 + static_cast<int>(std::ceil(std::abs(turn) * sensor.ideal().fx));
   std::vector<double> light;
-  sim::Picture ideal;
+  vision::Image ideal;
   for (int i = 0; i < parts; ++i) {
     const double angle = parts > 1 ? turn * ((i + 0.5) / parts - 0.5) : 0;
     sim::View view;
@@ -69,9 +69,9 @@ Result<vision::Image> Eyes::raw(sim::Renderer& renderer, const sim::ScenePose& p
       ideal.rgb[k] = static_cast<std::uint8_t>(std::lround(std::min(code, 255.0)));
     }
   }
-  sim::Picture exposed;
+  vision::Image exposed;
   sensor.expose(ideal, number, exposed);
-  return vision::Image{exposed.width, exposed.height, std::move(exposed.rgb)};
+  return exposed;
 }
 
 Result<vision::StereoImages> Eyes::take(sim::Renderer& renderer, const sim::ScenePose& pose,
@@ -100,9 +100,9 @@ Result<vision::Image> Eyes::ideal(sim::Renderer& renderer, const sim::ScenePose&
   view.camera = {camera().width, camera().height, camera().fx,
                  camera().fy,    camera().cx,     camera().cy};
   view.world_from_optical = eye;
-  sim::Picture picture;
+  vision::Image picture;
   KAZ_TRY(renderer.render(pose, view, picture));
-  return vision::Image{picture.width, picture.height, std::move(picture.rgb)};
+  return picture;
 }
 
 Result<std::unique_ptr<sim::Renderer>> renderer_of(sim::RendererKind kind, const World& world) {
