@@ -41,9 +41,7 @@ void ContactLine::enter_row(int v) {
 }
 
 Eigen::Vector3f ContactLine::ray_above(int u, int v) const {
-  const vision::CameraModel& c = planes_->info.camera;
-  return (eye_.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - 0.5 - c.cy) / c.fy, 1))
-      .cast<float>();
+  return (eye_.linear() * planes_->info.camera.ray(u, v - 0.5)).cast<float>();
 }
 
 float ContactLine::distance_above(int u, int v) const {

@@ -62,7 +62,8 @@ std::vector<std::int16_t> brightness(const FloorPictureView& picture,
       if ((at - eye).head<2>().squaredNorm() > kFarthest * kFarthest) continue;
       const Vector3d p = eye_from_map * at;
       if (p.z() < 0.05) continue;
-      const double u = c.fx * p.x() / p.z() + c.cx, v = c.fy * p.y() / p.z() + c.cy;
+      const Vector2d px = c.pixel(p);
+      const double u = px.x(), v = px.y();
       if (!(u >= 1 && v >= 1 && u < c.width - 2 && v < c.height - 2)) continue;
       const int column = static_cast<int>(u), row = static_cast<int>(v);
       const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(c.width) +

@@ -125,7 +125,8 @@ void LocalMap::mask(const OwnPart& part, const vision::FrameInfo& info) {
   for (int i = 0; i <= steps; ++i) {
     const Vector3d p = from + (to - from) * i / steps;
     if (!(p.z() > kNearest_m)) continue;
-    const double u = c.cx + c.fx * p.x() / p.z(), v = c.cy + c.fy * p.y() / p.z();
+    const Vector2d px = c.pixel(p);
+    const double u = px.x(), v = px.y();
     const double radius = c.fx * part.radius_m / p.z() + kMargin * c.width;
     const int first = static_cast<int>(std::clamp(std::ceil(v - radius), 0.0, 1.0 * c.height));
     const int last = static_cast<int>(std::clamp(std::floor(v + radius), -1.0, c.height - 1.0));

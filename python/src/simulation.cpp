@@ -109,7 +109,7 @@ py::array picture(SimulatedWorld& world, const std::array<double, 3>& from,
            "picture: `from_` and `at` must be finite positions in m, and must differ in x or y, "
            "because the camera cannot look straight up or down"});
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(width, height, view_rad);
+  view.camera = sim::camera_of_view(width, height, view_rad);
   view.world_from_optical = sim::look_at(eye, target);
   view.samples_per_axis = 2;
   auto drawn = value_of(world.alone([&](sim::Simulation& simulation) {

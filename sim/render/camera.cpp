@@ -6,7 +6,7 @@
 
 namespace kaz::sim {
 
-Pinhole Pinhole::from_horizontal_view(int width, int height, double horizontal_rad) {
+vision::CameraModel camera_of_view(int width, int height, double horizontal_rad) {
   // f = width / 2 / tan(view / 2), px: the borders are half a pixel beyond the outermost pixel centres.
   const double f = 0.5 * width / std::tan(0.5 * horizontal_rad);
   return {width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1)};

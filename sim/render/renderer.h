@@ -16,22 +16,13 @@
 
 namespace kaz::sim {
 
-// Pinhole camera: pixel (u, v) = (fx x/z + cx, fy y/z + cy) in the optical frame (x right, y down, z
-// forward). Pixel centers are at integer coordinates.
-struct Pinhole {
-  int width = 320, height = 240;
-  double fx = 0, fy = 0, cx = 0, cy = 0;
-  // Makes a pinhole camera with square pixels. The principal point is in the center of the picture.
-  static Pinhole from_horizontal_view(int width, int height, double horizontal_rad);
-};
-
 // Part of a picture: the columns `left .. right - 1` of the rows `top .. bottom - 1`.
 struct PicturePart {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
 struct View {
-  Pinhole camera;
+  vision::CameraModel camera;  // without use of the baseline
   Eigen::Isometry3d world_from_optical = Eigen::Isometry3d::Identity();
   // Number n of samples along each axis of a pixel, 1..4. Each pixel is computed from n x n samples. Cameras
   // use n = 1. Pictures for documentation use n = 2 for smooth edges.

@@ -82,7 +82,7 @@ Outline outline_of_sphere(const View& view, const Eigen::Vector3d& center, doubl
 
 TEST(Pinhole, FocalLengthFromTheHorizontalView) {
   // 80 degrees over 320 pixels: 160 / tan(40 degrees) = 190.68.
-  const Pinhole p = Pinhole::from_horizontal_view(320, 240, 80 * 3.14159265358979323846 / 180);
+  const vision::CameraModel p = camera_of_view(320, 240, 80 * 3.14159265358979323846 / 180);
   EXPECT_NEAR(p.fx, 190.68, 0.005);
   EXPECT_EQ(p.fx, p.fy);
   EXPECT_EQ(p.cx, 159.5);

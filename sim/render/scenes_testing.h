@@ -77,16 +77,14 @@ inline TestScene table_scene() {
 // `tilt_rad`.
 inline View eye_view(int width = 320, double tilt_rad = 0.6) {
   View view;
-  view.camera = Pinhole::from_horizontal_view(width, width * 3 / 4, kEyeView_rad);
+  view.camera = camera_of_view(width, width * 3 / 4, kEyeView_rad);
   view.world_from_optical = look_at({0, 0, 0.3}, {std::cos(tilt_rad), 0, 0.3 - std::sin(tilt_rad)});
   return view;
 }
 
 // Returns the pixel coordinates of a point that is given in the world frame.
 inline Eigen::Vector2d project(const View& view, const Eigen::Vector3d& world) {
-  const Eigen::Vector3d p = view.world_from_optical.inverse() * world;
-  return {view.camera.fx * p.x() / p.z() + view.camera.cx,
-          view.camera.fy * p.y() / p.z() + view.camera.cy};
+  return view.camera.pixel(view.world_from_optical.inverse() * world);
 }
 
 }  // namespace kaz::sim

@@ -46,7 +46,7 @@ Result<vision::Image> take_picture(sim::Simulation& simulation, const Scenario& 
   sim::View view;
   view.world_from_optical =
       sim::look_at(eye, {lesson.ball_x_m, lesson.ball_y_m, lesson.ball_radius_m});
-  view.camera = camera.pinhole();
+  view.camera = camera.model();
   vision::Image picture;
   if (backend.eyes == sim::EyeKind::ideal) {
     picture = KAZ_TRY(simulation.picture(view, pose));
@@ -65,7 +65,7 @@ vision::PictureRegion mark(const vision::Image& picture, const sim::Simulation& 
   const Eigen::Vector3d to_ball =
       Eigen::Vector3d(lesson.ball_x_m, lesson.ball_y_m, lesson.ball_radius_m) -
       simulation.world().link_pose("left_eye").translation();
-  const double radius_px = simulation.camera().pinhole().fx * lesson.ball_radius_m / to_ball.norm();
+  const double radius_px = simulation.camera().model().fx * lesson.ball_radius_m / to_ball.norm();
   const int side = std::max(5, static_cast<int>(kMarked * radius_px));
   return {(picture.width - side) / 2, (picture.height - side) / 2, side, side};
 }

@@ -96,8 +96,8 @@ void MapTruth::look(Time now, const Eigen::Isometry3d& start_from_eye,
     if ((one.at - eye).norm() > kWithin) continue;
     const Vector3d at(one.at.x(), one.at.y(), kAboveFloor), p = eye_from_start * at;
     if (p.z() < 0.1) continue;
-    const double u = camera.fx * p.x() / p.z() + camera.cx,
-                 v = camera.fy * p.y() / p.z() + camera.cy;
+    const Vector2d px = camera.pixel(p);
+    const double u = px.x(), v = px.y();
     const double in_right = u - camera.fx * camera.baseline_m / p.z();
     if (in_right < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1 ||
         hidden(eye, one.at))

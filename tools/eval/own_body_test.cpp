@@ -26,7 +26,7 @@ TEST(OwnBody, HidesWhatItHidesInAPicture) {
   own->move((*world)->pose(), Isometry3d::Identity());
 
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(160, 160, 0.9);
+  view.camera = sim::camera_of_view(160, 160, 0.9);
   view.light.key = 0;  // no shadow
   const auto drawn = [&](const sim::Scene& scene) {
     auto renderer = sim::make_raster_renderer().value();

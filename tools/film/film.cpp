@@ -13,6 +13,7 @@
 
 #include "shared/base/one_line.hpp"
 #include "sim/body/world/world.h"
+#include "sim/render/camera.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/formats/mcap_reader.h"
 #include "sim/runtime/formats/png_picture.h"
@@ -97,12 +98,11 @@ class Corner {
       for (std::size_t k = 1; k < scene.frames.size(); ++k) {
         const Eigen::Vector3d p = optical_from_world * poses[i].frames[k].translation();
         if (p.z() <= 0 || !is_subject(scene.frames[k])) continue;
-        const double u = view.camera.fx * p.x() / p.z() + view.camera.cx,
-                     v = view.camera.fy * p.y() / p.z() + view.camera.cy;
+        const Eigen::Vector2d px = view.camera.pixel(p);
         for (std::size_t corner = 0; corner < kCorners.size(); ++corner) {
           const auto [left, top] = kCorners[corner];
-          if (u >= left - kAround && u < left + kEyeWidth + kAround && v >= top - kAround &&
-              v < top + kEyeHeight + kAround)
+          if (px.x() >= left - kAround && px.x() < left + kEyeWidth + kAround &&
+              px.y() >= top - kAround && px.y() < top + kEyeHeight + kAround)
             ++hidden[corner];
         }
       }
@@ -218,7 +218,7 @@ Result<const figure::Image*> Film::eye_at(Time now, const sim::ScenePose& pose,
     eye_ = figure::framed(figure::resize(*decoded, kSeenWidth, kSeenHeight));
   } else if (draws_eye_) {
     sim::View view;
-    view.camera = sim::Pinhole::from_horizontal_view(kSeenWidth, kSeenHeight, eye_view_rad_);
+    view.camera = sim::camera_of_view(kSeenWidth, kSeenHeight, eye_view_rad_);
     view.world_from_optical = world_from_eye;
     view.samples_per_axis = 2;
     view.light = scene_.light;

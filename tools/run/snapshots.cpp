@@ -41,7 +41,7 @@ sim::View onlooker_view(const std::optional<Eigen::Vector3d>& middle, double ext
   const Eigen::Vector3d eye =
       middle ? target + (0.55 + 1.1 * extent_m) * (kEye - kTarget).normalized() : kEye;
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(width, 3 * width / 4, 0.78);
+  view.camera = sim::camera_of_view(width, 3 * width / 4, 0.78);
   view.samples_per_axis = 2;
   view.world_from_optical = sim::look_at(eye, target);
   return view;

@@ -15,7 +15,7 @@ namespace {
 
 Result<vision::Image> outside(sim::Simulation& simulation) {
   sim::View view;
-  view.camera = sim::Pinhole::from_horizontal_view(960, 720, 0.6);
+  view.camera = sim::camera_of_view(960, 720, 0.6);
   view.world_from_optical = sim::look_at({0.85, -0.75, 0.5}, {0.16, 0, 0.13});
   view.samples_per_axis = 2;
   return simulation.picture(view, simulation.world().pose());
@@ -32,7 +32,7 @@ Result<EyePictures> look(sim::Simulation& simulation, const sim::CameraFile& cam
   sim::View view;
   view.world_from_optical =
       simulation.world().link_pose(eye == sim::Sensor::Eye::left ? "left_eye" : "right_eye");
-  view.camera = camera.pinhole();
+  view.camera = camera.model();
   auto ideal = KAZ_TRY(simulation.picture(view, pose));
   view.world_from_optical = view.world_from_optical * sensor.mounting_from_optical();
   view.camera = sensor.ideal();

@@ -7,9 +7,7 @@ Remap rectification(const StereoCalibration& calibration, const StereoCalibratio
   const Remap::Size size{calibration.width, calibration.height};
   const CameraModel& to = calibration.rectified;
   return {size, size, [&](int u, int v) -> Remap::Place {
-            const Eigen::Vector3d ray =
-                eye.rectified_from_camera.transpose() *
-                Eigen::Vector3d((u - to.cx) / to.fx, (v - to.cy) / to.fy, 1);
+            const Eigen::Vector3d ray = eye.rectified_from_camera.transpose() * to.ray(u, v);
             const Eigen::Vector2d from = eye.lens.pixel(ray.head<2>() / ray.z());
             return {from.x(), from.y(), 1};
           }};

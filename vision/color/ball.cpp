@@ -15,7 +15,7 @@ namespace {
 
 // Unit vector in the optical frame through pixel (u, v).
 Eigen::Vector3d ray(const CameraModel& camera, double u, double v) {
-  return Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1).normalized();
+  return camera.ray(u, v).normalized();
 }
 
 // Mean focal length, px: the geometric mean keeps areas.
@@ -69,8 +69,7 @@ Support support_of(const Cone& cone, const std::vector<Eigen::Vector3d>& rays,
 // Number of pixels within the cone: those whose ray r satisfies n . r >= cos(alpha) |r|. Large balls are
 // sampled at every `step`-th pixel in both directions.
 double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraModel& camera) {
-  const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
-  const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
+  const Eigen::Vector2d middle = camera.pixel(cone.axis);
   // Bounding square around the projected axis. The axis is inside the ellipse but not its middle, so half
   // the side is twice the longer half axis.
   const double reach = 2 * focal(camera) * std::max(axes.across, axes.along) + 1;
@@ -79,8 +78,8 @@ double pixels_within(const Cone& cone, const EllipseAxes& axes, const CameraMode
     return std::pair(std::clamp(static_cast<int>(std::max(center - reach, 0.0)), 0, size - 1),
                      static_cast<int>(std::clamp(center + reach, 0.0, size - 1.0)));
   };
-  const auto [left, right] = bounds(u, camera.width);
-  const auto [top, bottom] = bounds(v, camera.height);
+  const auto [left, right] = bounds(middle.x(), camera.width);
+  const auto [top, bottom] = bounds(middle.y(), camera.height);
   const double cosine = std::cos(cone.half_angle);
   int count = 0;
   const double step_x = 1 / camera.fx, across = cone.axis.x() * step_x;
@@ -118,10 +117,7 @@ std::optional<BallObservation> measure(const Image& image, const CameraModel& ca
   const std::optional<Cone> coarse = fit_cone(rays, 0.4 * pixel);
   if (!coarse || !(coarse->axis.z() > 0.05)) return std::nullopt;
   Cone cone = *coarse;
-  const auto center_of = [&](const Cone& c) {
-    return Eigen::Vector2d(camera.fx * c.axis.x() / c.axis.z() + camera.cx,
-                           camera.fy * c.axis.y() / c.axis.z() + camera.cy);
-  };
+  const auto center_of = [&](const Cone& c) { return camera.pixel(c.axis); };
   const std::vector<OutlinePoint> fine = well_crossed(image, crossings, center_of(cone));
   const std::vector<Eigen::Vector3d> fine_rays = rays_of(camera, fine);
   if (const std::optional<Cone> better = fit_cone(fine_rays, 0.2 * pixel)) cone = *better;

@@ -72,8 +72,7 @@ std::vector<Pixel> pixels_beside(const Image& image, const CameraModel& camera, 
   std::vector<Pixel> pixels;
   const std::optional<EllipseAxes> axes = ellipse_axes(cone);
   if (!axes) return pixels;
-  const double u = camera.fx * cone.axis.x() / cone.axis.z() + camera.cx;
-  const double v = camera.fy * cone.axis.y() / cone.axis.z() + camera.cy;
+  const Eigen::Vector2d middle = camera.pixel(cone.axis);
   const double focal = std::max(camera.fx, camera.fy);
   const double reach = 1.5 * focal * std::max(axes->across, axes->along) + kOuterTo + 1;
   const auto from = [&](double center) {
@@ -92,9 +91,9 @@ std::vector<Pixel> pixels_beside(const Image& image, const CameraModel& camera, 
   const double margin = 6 / std::min(camera.fx, camera.fy);
   const double max_cosine = std::cos(std::max(cone.half_angle - margin, 0.0));
   const double min_cosine = std::cos(std::min(cone.half_angle + margin, std::numbers::pi));
-  for (int y = from(v); y <= to(v, image.height); y += step) {
-    for (int x = from(u); x <= to(u, image.width); x += step) {
-      const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+  for (int y = from(middle.y()); y <= to(middle.y(), image.height); y += step) {
+    for (int x = from(middle.x()); x <= to(middle.x(), image.width); x += step) {
+      const Eigen::Vector3d ray = camera.ray(x, y);
       const double along = cone.axis.dot(ray), length = ray.norm();
       if (along > max_cosine * length || along < min_cosine * length) continue;
       double per_px = 0;

@@ -76,7 +76,7 @@ class TestStereoScene {
     patch.clear();
     for (int v = 0; v < camera.height; ++v) {
       for (int u = 0; u < camera.width; ++u) {
-        const TestHit h = hit(Eigen::Vector3d::Zero(), ray(camera, u, v));
+        const TestHit h = hit(Eigen::Vector3d::Zero(), camera.ray(u, v));
         patch.push_back(h.patch);
         depth.disparity_px.push_back(
             h.patch < 0 ? 0.0F : static_cast<float>(camera.fx * camera.baseline_m / h.distance));
@@ -87,15 +87,11 @@ class TestStereoScene {
 
   // Returns whether the point that the left eye sees at this pixel is also visible to the right eye.
   bool seen_by_both(const CameraModel& camera, int u, int v) const {
-    const TestHit h = hit(Eigen::Vector3d::Zero(), ray(camera, u, v));
+    const TestHit h = hit(Eigen::Vector3d::Zero(), camera.ray(u, v));
     if (h.patch < 0) return false;
     const Eigen::Vector3d other(camera.baseline_m, 0, 0);
-    const Eigen::Vector3d to = h.distance * ray(camera, u, v) - other;
+    const Eigen::Vector3d to = h.distance * camera.ray(u, v) - other;
     return std::abs(hit(other, to).distance - 1) < 1e-6;
-  }
-
-  static Eigen::Vector3d ray(const CameraModel& c, double u, double v) {
-    return {(u - c.cx) / c.fx, (v - c.cy) / c.fy, 1};
   }
 
  private:
@@ -123,7 +119,7 @@ class TestStereoScene {
       for (int u = 0; u < camera.width; ++u) {
         double code = 0;
         for (int i = 0; i < 4; ++i) {
-          const Eigen::Vector3d r = ray(camera, u + 0.5 * (i % 2) - 0.25, v + 0.5 * (i / 2) - 0.25);
+          const Eigen::Vector3d r = camera.ray(u + 0.5 * (i % 2) - 0.25, v + 0.5 * (i / 2) - 0.25);
           const TestHit h = hit(eye, r);
           if (h.patch < 0) {
             code += 110.0 / 4;

@@ -35,9 +35,7 @@ class EgoMotion {
  public:
   EgoMotion(const FrameInfo& before, const FrameInfo& after);
 
-  Eigen::Vector3d ray(double u, double v) const {
-    return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
-  }
+  Eigen::Vector3d ray(double u, double v) const { return camera_.ray(u, v); }
   // Computes the flow (px) of a static point at pixel (u, v): project(R r + w t) - (u, v). In this formula, r
   // is the ray of the pixel, w is the inverse depth (1/m), and later() returns the transform (R, t). The
   // function project() is the pinhole projection to pixels. Returns false if the later depth of the point is
@@ -45,7 +43,7 @@ class EgoMotion {
   bool flow(double u, double v, double inverse_depth, Eigen::Vector2d& px) const {
     const Eigen::Vector3d p = later_.linear() * ray(u, v) + inverse_depth * later_.translation();
     if (p.z() < 0.05) return false;
-    px = {camera_.fx * p.x() / p.z() + camera_.cx - u, camera_.fy * p.y() / p.z() + camera_.cy - v};
+    px = camera_.pixel(p) - Eigen::Vector2d(u, v);
     return true;
   }
   // Returns the transform (R, t) from the earlier optical frame to the later optical frame.

@@ -31,6 +31,13 @@ struct CameraModel {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double baseline_m = 0;  // position of the right lens along +x of the left optical frame
+
+  // Returns the direction (x/z, y/z, 1) of the ray through pixel (u, v).
+  Eigen::Vector3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
+  // Returns the pixel of a point in the optical frame. Requires z > 0.
+  Eigen::Vector2d pixel(const Eigen::Vector3d& point) const {
+    return {fx * point.x() / point.z() + cx, fy * point.y() / point.z() + cy};
+  }
 };
 
 using picture::Image;

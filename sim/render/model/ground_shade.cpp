@@ -100,7 +100,7 @@ GroundParts parts_of_ground(std::span<const Piece> pieces, const ScenePose& pose
                             const GroundPlane& ground, double edge_m) {
   const Eigen::Vector3d to_key = view.light.to_key.normalized();
   const int n = view.samples_per_axis;
-  const Pinhole& camera = view.camera;
+  const vision::CameraModel& camera = view.camera;
   const Eigen::Isometry3d optical_from_world = view.world_from_optical.inverse();
   Blocks blocks(camera.width * n, camera.height * n);
   const auto mark_shadow = [&](const Eigen::Vector3d& center, double radius) {

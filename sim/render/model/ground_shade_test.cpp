@@ -48,7 +48,7 @@ TEST(GroundShade, EveryShadowIsInTheShadedPartsAndAllIsCoveredOnce) {
       pose.frames.push_back(frame);
     }
     View view;
-    view.camera = Pinhole::from_horizontal_view(320, 240, kEyeView_rad);
+    view.camera = camera_of_view(320, 240, kEyeView_rad);
     view.world_from_optical =
         look_at({0, next(-0.2, 0.2), next(0.1, 0.5)}, {1, next(-0.5, 0.5), next(-1.0, 0.3)});
     GroundPlane ground;

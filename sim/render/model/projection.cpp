@@ -7,7 +7,7 @@
 
 namespace kaz::sim {
 
-Eigen::Matrix4d clip_from_optical(const Pinhole& camera) {
+Eigen::Matrix4d clip_from_optical(const vision::CameraModel& camera) {
   // Pixel u to clip space: x = 2 (u + 0.5) / width - 1 with u = f_x X / Z + c_x, rows alike; depth as
   // glFrustum (OpenGL 2.1 reference) for Z forward in [kNear_m, kFar_m]; w = Z.
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
@@ -21,7 +21,7 @@ Eigen::Matrix4d clip_from_optical(const Pinhole& camera) {
   return m;
 }
 
-bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius) {
+bool may_be_seen(const vision::CameraModel& camera, const Eigen::Vector3d& center, double radius) {
   if (center.z() < kNear_m - radius) return false;
   // Signed distance to the four side planes through the optical centre: (x + slope z) / sqrt(1 + slope^2).
   const double left = (camera.cx + 0.5) / camera.fx;

@@ -13,10 +13,10 @@ namespace kaz::sim {
 
 // Returns the projection from the optical frame to OpenGL's clip space. The y axis of the clip space points
 // down, so the first row in memory is the top row of the picture. The matrix is column-major.
-Eigen::Matrix4d clip_from_optical(const Pinhole& camera);
+Eigen::Matrix4d clip_from_optical(const vision::CameraModel& camera);
 
 // Returns false if the sphere (optical frame, m) is outside the view frustum. The far plane is ignored.
-bool may_be_seen(const Pinhole& camera, const Eigen::Vector3d& center, double radius);
+bool may_be_seen(const vision::CameraModel& camera, const Eigen::Vector3d& center, double radius);
 
 inline constexpr double kNear_m = 0.008, kFar_m = 40.0;
 

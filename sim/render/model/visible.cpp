@@ -22,7 +22,7 @@ Result<void> check_view(std::size_t frames, const ScenePose& pose, const View& v
                                   " frames, but the scene has " + std::to_string(frames) +
                                   " frames");
   }
-  const Pinhole& c = view.camera;
+  const vision::CameraModel& c = view.camera;
   const int n = view.samples_per_axis;
   if (n < 1 || n > 4 || c.width < 1 || c.height < 1 || c.width > kLargestSide / n ||
       c.height > kLargestSide / n) {

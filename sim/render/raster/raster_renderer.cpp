@@ -152,7 +152,7 @@ void RasterRenderer::take_pose(const ScenePose& pose) {
 // Projects what is visible and computes what shading needs of the view.
 void RasterRenderer::take_view(const ScenePose& pose, const View& view, const ShadowMap& map) {
   const int n = view.samples_per_axis;
-  const Pinhole& c = view.camera;
+  const vision::CameraModel& c = view.camera;
   Projection p{};
   p.focal_x = static_cast<float>(n * c.fx);
   p.focal_y = static_cast<float>(n * c.fy);

@@ -119,7 +119,7 @@ TestScene room(const std::string& texture) {
 
 View outside_view(int samples) {
   View view;
-  view.camera = Pinhole::from_horizontal_view(240, 180, 0.75);
+  view.camera = camera_of_view(240, 180, 0.75);
   view.world_from_optical = look_at({-0.3, 0.9, 0.6}, {0.6, 0, 0.05});
   view.samples_per_axis = samples;
   return view;
@@ -224,7 +224,7 @@ TEST(Raster, EmptyScenesAndPicturesOfAnySize) {
   TestScene s = room("checker");
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 37}, {17, 3}, {31, 33}}) {
     View view = eye_view();
-    view.camera = Pinhole::from_horizontal_view(width, height, 1.2);
+    view.camera = camera_of_view(width, height, 1.2);
     for (int samples = 1; samples <= 4; ++samples) {
       view.samples_per_axis = samples;
       const vision::Image ours = raster(s, view), reference = opengl(s, view);
@@ -234,9 +234,9 @@ TEST(Raster, EmptyScenesAndPicturesOfAnySize) {
     }
   }
   View large = eye_view();  // several bands of rows
-  large.camera = Pinhole::from_horizontal_view(1500, 900, 1.2);
+  large.camera = camera_of_view(1500, 900, 1.2);
   expect_alike(s, large, "large");
-  large.camera = Pinhole::from_horizontal_view(8192, 512, 1.2);
+  large.camera = camera_of_view(8192, 512, 1.2);
   EXPECT_EQ(raster(s, large).rgb.size(), 8192U * 512 * 3);
 }
 

@@ -11,8 +11,8 @@ namespace {
 
 vision::FrameInfo info_of(const View& view) {
   vision::FrameInfo info;
-  const Pinhole& c = view.camera;
-  info.camera = {c.width, c.height, c.fx, c.fy, c.cx, c.cy, kEyeBaseline_m};
+  info.camera = view.camera;
+  info.camera.baseline_m = kEyeBaseline_m;
   return info;
 }
 

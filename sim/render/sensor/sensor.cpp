@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "shared/base/random.hpp"
+#include "sim/render/camera.h"
 
 namespace kaz::sim {
 namespace {
@@ -50,7 +51,7 @@ const vision::StereoCalibration::Eye& eye_of(const vision::StereoCalibration& ca
 
 // Pinhole that contains all rays of the lens: bounds of the undistorted directions x/z, y/z along the
 // picture's border, where they are extreme.
-Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
+vision::CameraModel pinhole_around(const Lens& lens, int width, int height, double focal) {
   Eigen::Array2d low(1e9, 1e9), high(-1e9, -1e9);
   const auto reach = [&](double u, double v) {
     const Eigen::Array2d d = lens.direction({u, v}).array();
@@ -69,7 +70,7 @@ Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
   const auto side = [&](double from, double to) {
     return (static_cast<int>(std::ceil(focal * (to - from))) + 3 + 3) / 4 * 4;
   };
-  Pinhole p;
+  vision::CameraModel p;
   p.fx = p.fy = focal;
   p.width = side(low.x(), high.x());
   p.height = side(low.y(), high.y());
@@ -80,7 +81,7 @@ Pinhole pinhole_around(const Lens& lens, int width, int height, double focal) {
 
 // Remap table of the lens: pixel (u, v) samples the pinhole picture at its undistorted direction d, with the
 // gain sqrt(1 - vignetting r^2 / r_corner^2).
-vision::Remap table_of(const EyeModel& model, const Lens& lens, const Pinhole& ideal) {
+vision::Remap table_of(const EyeModel& model, const Lens& lens, const vision::CameraModel& ideal) {
   const double corner =
       0.25 * (model.width * model.width + model.height * model.height);  // px, squared
   return {{model.width, model.height},
@@ -103,9 +104,8 @@ vision::StereoCalibration make_calibration(const EyeModel& model, std::uint64_t 
   calibration.height = model.height;
   calibration.left = copy_of(model, unit, 0);
   calibration.right = copy_of(model, unit, 1);
-  const Pinhole p =
-      Pinhole::from_horizontal_view(model.width, model.height, model.rectified_view_rad);
-  calibration.rectified = {p.width, p.height, p.fx, p.fy, p.cx, p.cy, baseline_m};
+  calibration.rectified = camera_of_view(model.width, model.height, model.rectified_view_rad);
+  calibration.rectified.baseline_m = baseline_m;
   return calibration;
 }
 

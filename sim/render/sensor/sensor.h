@@ -60,7 +60,7 @@ class Sensor {
   // Returns the pinhole camera whose picture expose() needs. This picture covers the full view of the lens.
   // This picture has 0.92 times as many pixels per radian as the rectified picture. The blur caused by the
   // lower resolution is smaller than the blur caused by a wide conversion lens.
-  const Pinhole& ideal() const { return ideal_; }
+  const vision::CameraModel& ideal() const { return ideal_; }
   // Returns the rotation from the optical frame of ideal() to the eye's mounting frame.
   Eigen::Isometry3d mounting_from_optical() const;
   // Limits the exposed pixels to the given columns of each row, for example to the pixels that a rectified
@@ -75,7 +75,7 @@ class Sensor {
   void bend(const vision::Image& ideal, vision::Image& picture) const;
 
  private:
-  Pinhole ideal_;
+  vision::CameraModel ideal_;
   Eigen::Matrix3d rotation_;
   vision::Remap lens_;
   std::vector<vision::Remap::Columns> rows_;  // exposed columns in each row

@@ -8,6 +8,7 @@
 
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
+#include "sim/render/camera.h"
 #include "sim/runtime/eyes/eyes.h"
 
 namespace kaz::sim {
@@ -106,22 +107,19 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   return camera;
 }
 
-Pinhole CameraFile::pinhole() const {
-  return Pinhole::from_horizontal_view(eye.width, eye.height, eye.rectified_view_rad);
-}
-
 vision::CameraModel CameraFile::model() const {
-  return calibration().rectified;
+  vision::CameraModel model = camera_of_view(eye.width, eye.height, eye.rectified_view_rad);
+  model.baseline_m = baseline_m;
+  return model;
 }
 
 vision::StereoCalibration CameraFile::calibration() const {
   if (!ideal) return make_calibration(eye, unit, baseline_m);
-  const Pinhole p = pinhole();
   vision::StereoCalibration calibration;
-  calibration.width = p.width;
-  calibration.height = p.height;
-  calibration.left.lens = calibration.right.lens = {p.fx, p.fy, p.cx, p.cy, {}};
-  calibration.rectified = {p.width, p.height, p.fx, p.fy, p.cx, p.cy, baseline_m};
+  const vision::CameraModel& c = calibration.rectified = model();
+  calibration.width = c.width;
+  calibration.height = c.height;
+  calibration.left.lens = calibration.right.lens = {c.fx, c.fy, c.cx, c.cy, {}};
   return calibration;
 }
 

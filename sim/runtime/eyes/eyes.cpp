@@ -18,7 +18,7 @@ constexpr std::size_t max_under_way = 3;  // rendering jobs in flight
 constexpr std::size_t max_kept = 8;       // pairs queued for the host
 
 // Delivered if rendering failed; the simulation's next step returns the error.
-vision::Image black(const Pinhole& camera) {
+vision::Image black(const vision::CameraModel& camera) {
   const auto bytes = static_cast<std::size_t>(camera.width) * camera.height * 3;
   return {camera.width, camera.height, std::vector<std::uint8_t>(bytes)};
 }
@@ -114,7 +114,7 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
 void Eyes::expose(Time now, ScenePose pose) {
   const Eigen::Isometry3d head = pose.frames[static_cast<std::size_t>(mounting_.head_frame)];
   const Eigen::Isometry3d left_eye = head * mounting_.left, right_eye = head * mounting_.right;
-  View left{camera_.pinhole(), left_eye}, right{camera_.pinhole(), right_eye};
+  View left{model_, left_eye}, right{model_, right_eye};
   if (optics_) {
     left = optics_->left.view(left_eye);
     right = optics_->right.view(right_eye);
@@ -124,7 +124,7 @@ void Eyes::expose(Time now, ScenePose pose) {
   auto drawn = std::make_shared<std::promise<Drawn>>();
   auto images = std::make_shared<std::promise<std::shared_ptr<const vision::StereoImages>>>();
   draws_.submit([&draws = draws_, left, right, drawn, images, keep = keep_, optics = optics_,
-                 size = camera_.pinhole(), sequence = sequence_,
+                 size = model_, sequence = sequence_,
                  pose = std::move(pose)](const Result<Renderer*>& renderer) {
     auto pair = std::make_shared<vision::StereoImages>();
     Result<void> result;

@@ -40,8 +40,7 @@ struct CameraFile {
 
   // Reads camera.json. Returns Fault::usage if the file is missing or invalid.
   static Result<CameraFile> load(const std::string& path);
-  // Pinhole model of the pictures that the host receives.
-  Pinhole pinhole() const;
+  // Camera model of the pictures that the host receives.
   vision::CameraModel model() const;
   vision::StereoCalibration calibration() const;
 };

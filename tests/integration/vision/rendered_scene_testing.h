@@ -74,8 +74,7 @@ class RenderedScene {
   // Returns the picture of an ideal left eye, to find texture.
   vision::Image ideal_picture(Renderer& renderer) const {
     View view;
-    const vision::CameraModel& c = camera();
-    view.camera = {c.width, c.height, c.fx, c.fy, c.cx, c.cy};
+    view.camera = camera();
     view.world_from_optical = eye_;
     vision::Image picture;
     EXPECT_TRUE(renderer.render(scene_.pose, view, picture));
@@ -84,17 +83,14 @@ class RenderedScene {
 
   // Returns the true surface at (u, v) of the rectified left picture.
   TruePixel truth(double u, double v) const {
-    const vision::CameraModel& c = camera();
-    return along(eye_.translation(),
-                 eye_.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    return along(eye_.translation(), eye_.linear() * camera().ray(u, v));
   }
 
   bool seen_by_both(double u, double v) const {
     const vision::CameraModel& c = camera();
     const double depth = truth(u, v).depth_m;
     if (depth <= 0) return false;
-    const Eigen::Vector3d at =
-        eye_ * (depth * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    const Eigen::Vector3d at = eye_ * (depth * c.ray(u, v));
     const Eigen::Vector3d from = eye_ * Eigen::Vector3d(c.baseline_m, 0, 0);
     return std::abs(along(from, at - from).depth_m - 1) < 1e-6;
   }

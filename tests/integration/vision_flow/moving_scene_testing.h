@@ -78,15 +78,11 @@ class MovingScene {
   };
   // Returns the surface at (u, v) of the left picture.
   Hit hit(const MovingPoses& poses, double u, double v) const {
-    const vision::CameraModel& c = camera();
-    return along(poses, poses.eye.translation(),
-                 poses.eye.linear() * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    return along(poses, poses.eye.translation(), poses.eye.linear() * camera().ray(u, v));
   }
   // Returns the position of a point of the world in the left picture, px.
   Eigen::Vector2d pixel(const MovingPoses& poses, const Eigen::Vector3d& world) const {
-    const vision::CameraModel& c = camera();
-    const Eigen::Vector3d p = poses.eye.inverse() * world;
-    return {c.fx * p.x() / p.z() + c.cx, c.fy * p.y() / p.z() + c.cy};
+    return camera().pixel(poses.eye.inverse() * world);
   }
   // Returns the true flow of the surface at (u, v), px. NaN if there is no surface, or if it is hidden or out
   // of the picture later.
@@ -96,8 +92,7 @@ class MovingScene {
     const Hit h = hit(before, u, v);
     const Eigen::Vector2d none(NAN, NAN);
     if (h.depth_m <= 0) return none;
-    Eigen::Vector3d at =
-        before.eye * (h.depth_m * Eigen::Vector3d((u - c.cx) / c.fx, (v - c.cy) / c.fy, 1));
+    Eigen::Vector3d at = before.eye * (h.depth_m * c.ray(u, v));
     if (h.ball) at += after.ball - before.ball;  // slides: rolling is invisible in one color
     const Eigen::Vector2d to = pixel(after, at);
     if (to.x() < 0 || to.y() < 0 || to.x() > c.width - 1 || to.y() > c.height - 1) return none;

@@ -72,8 +72,8 @@ void look(const vision::CameraModel& camera, const Isometry3d& from_eye,
   for (EdgePoint& point : points) {
     const Vector3d place(point.place.x(), point.place.y(), 0), p = eye_from * place;
     if (p.z() < 0.05) continue;
-    const double u = camera.fx * p.x() / p.z() + camera.cx;
-    const double v = camera.fy * p.y() / p.z() + camera.cy;
+    const Vector2d px = camera.pixel(p);
+    const double u = px.x(), v = px.y();
     const double d = camera.fx * camera.baseline_m / p.z();
     if (u - d < kMargin_px || v < kMargin_px || u > camera.width - kMargin_px ||
         v > camera.height - kMargin_px)

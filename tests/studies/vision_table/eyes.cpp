@@ -97,8 +97,7 @@ Result<vision::Image> Eyes::take_left(sim::Renderer& renderer, const sim::SceneP
 Result<vision::Image> Eyes::ideal(sim::Renderer& renderer, const sim::ScenePose& pose,
                                   const Eigen::Isometry3d& eye) const {
   sim::View view;
-  view.camera = {camera().width, camera().height, camera().fx,
-                 camera().fy,    camera().cx,     camera().cy};
+  view.camera = camera();
   view.world_from_optical = eye;
   vision::Image picture;
   KAZ_TRY(renderer.render(pose, view, picture));
