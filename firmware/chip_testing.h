@@ -82,12 +82,12 @@ class TestChip : public testing::Test {
   }
 
   kz_startup startup() {
-    const auto bytes = mcu->global("kz_startup_found", h8_layout::startup_size);
-    return h8_layout::decode_startup(std::span<const u8, h8_layout::startup_size>(bytes));
+    const auto bytes = mcu->global("kz_startup_found", h8_layout::kStartupSize);
+    return h8_layout::decode_startup(std::span<const u8, h8_layout::kStartupSize>(bytes));
   }
   kz_tick_input input() {
-    const auto bytes = mcu->global("kz_input", h8_layout::input_size);
-    return h8_layout::decode_input(std::span<const u8, h8_layout::input_size>(bytes));
+    const auto bytes = mcu->global("kz_input", h8_layout::kInputSize);
+    return h8_layout::decode_input(std::span<const u8, h8_layout::kInputSize>(bytes));
   }
   Calibration at_start() {
     const kz_startup found = startup();

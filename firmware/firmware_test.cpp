@@ -181,9 +181,9 @@ TEST_F(Firmware, AHangingTickIsResetWithTheMotorsOff) {
   EXPECT_EQ(mcu->pins().p4 & KZ_P4_ENABLE, 0);
   EXPECT_EQ(chip().reset_cause(), h8s::ResetCause::watchdog);
   run(100 * ms);
-  const auto found = mcu->global("kz_startup_found", h8_layout::startup_size);
+  const auto found = mcu->global("kz_startup_found", h8_layout::kStartupSize);
   const u8 cause =
-      h8_layout::decode_startup(std::span<const u8, h8_layout::startup_size>(found)).reset_cause;
+      h8_layout::decode_startup(std::span<const u8, h8_layout::kStartupSize>(found)).reset_cause;
   EXPECT_EQ(cause, KZ_RESET_WATCHDOG);
 }
 

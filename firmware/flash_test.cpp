@@ -240,7 +240,7 @@ TEST_F(Flash, PowerLostAnywhereLeavesTheOldOrTheNewCopy) {
       ++starts;
       cut.set_breakpoint(first_tick);
       ASSERT_EQ(cut.run_until(100 * ms).reason, h8s::Stop::Reason::breakpoint);
-      std::array<u8, h8_layout::startup_size> bytes{};
+      std::array<u8, h8_layout::kStartupSize> bytes{};
       ASSERT_TRUE(cut.peek(address_of("kz_startup_found"), bytes));
       const kz_startup found = h8_layout::decode_startup(bytes);
       const Calibration expected = left ? *left : nominal_values;

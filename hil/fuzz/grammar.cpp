@@ -13,11 +13,11 @@
 namespace kaz::hil::fuzz {
 namespace {
 
-constexpr std::size_t max_events = 400;
-constexpr double bytes_per_ms = 11.52;
+constexpr std::size_t kMaxEvents = 400;
+constexpr double kBytesPerMs = 11.52;
 // Choices added later begin here, so that older cases keep their meaning.
-constexpr unsigned later_choices = 240;
-constexpr unsigned repeated_frames = 8;  // the board remembers 4 requests
+constexpr unsigned kLaterChoices = 240;
+constexpr unsigned kRepeatedFrames = 8;  // the board remembers 4 requests
 
 class Maker {
  public:
@@ -25,14 +25,14 @@ class Maker {
       : choices_(genome), options_(options), types_(request_types(options.flash)) {}
 
   std::vector<Event> run() {
-    while (!choices_.ended() && events_.size() < max_events && ms_ < options_.longest_ms) next();
+    while (!choices_.ended() && events_.size() < kMaxEvents && ms_ < options_.longest_ms) next();
     return std::move(events_);
   }
 
  private:
   void next() {
     const unsigned choice = choices_.byte();
-    if (choice >= later_choices) return repeat();
+    if (choice >= kLaterChoices) return repeat();
     switch (choice % 20) {
       case 0:
       case 1:
@@ -77,7 +77,7 @@ class Maker {
 
   void send(const std::vector<std::uint8_t>& bytes, const std::string& text) {
     if (bytes.empty()) return;
-    ms_ += static_cast<double>(bytes.size()) / bytes_per_ms;
+    ms_ += static_cast<double>(bytes.size()) / kBytesPerMs;
     events_.push_back({Event::Kind::send, bytes, 0, {}, "send " + text + ": " + hex_text(bytes)});
     last_ = bytes;
     frames_.push_back(bytes);
@@ -85,7 +85,7 @@ class Maker {
 
   // The same bytes as one of the last frames, whatever the board has done since.
   void repeat() {
-    const std::size_t back = 1 + choices_.below(repeated_frames);
+    const std::size_t back = 1 + choices_.below(kRepeatedFrames);
     if (back > frames_.size()) return;
     const std::vector<std::uint8_t> earlier = frames_[frames_.size() - back];
     send(earlier, "a repetition of an earlier frame (" + std::to_string(back) + " back)");

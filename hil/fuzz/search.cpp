@@ -11,7 +11,7 @@ namespace kaz::hil::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t longest = 600;
+constexpr std::size_t kLongest = 600;
 
 }  // namespace
 
@@ -60,7 +60,7 @@ Genome Search::next() {
   if (corpus_.empty() || random_.chance(0.1)) return fresh();
   Genome genome = corpus_[random_.below(static_cast<std::uint32_t>(corpus_.size()))];
   for (unsigned left = 1 + random_.below(5); left > 0; --left) change(genome);
-  if (genome.size() > longest) genome.resize(longest);
+  if (genome.size() > kLongest) genome.resize(kLongest);
   return genome;
 }
 

@@ -17,7 +17,7 @@ struct Wiring {
   const char* name;
   int pwm, port, bit, sign;
 };
-constexpr Wiring wiring[KZ_JOINTS] = {
+constexpr Wiring kWiring[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
   {#name, pwm, port, bit, sign},
 #include "shared/board/joints.def"
@@ -49,7 +49,7 @@ std::array<int, KZ_JOINTS> drives_of(const kz_tick_output& output) {
   std::array<int, KZ_JOINTS> drives{};
   if (!drivers_on(output)) return drives;
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
-    const Wiring& wire = wiring[j];
+    const Wiring& wire = kWiring[j];
     const int counts = wire.pwm < 16 ? output.pw[wire.pwm] : output.tmo[wire.pwm - 16];
     const bool forward = (port_of(output, wire.port) >> wire.bit & 1) != 0;
     drives[j] = (forward ? counts : -counts) * wire.sign;
@@ -62,7 +62,7 @@ void TickJudge::wrong(const kz_servo& servo, int joint, const std::string& what)
   std::string text = std::string("tick ").append(std::to_string(servo.tick)).append(": ");
   if (joint >= 0) {
     const kz_joint& state = servo.joint[joint];
-    text.append(wiring[joint].name).append(" ").append(what);
+    text.append(kWiring[joint].name).append(" ").append(what);
     text.append(" (angle ").append(std::to_string(state.angle));
     text.append(", command ").append(std::to_string(state.command));
     text.append(", limits ").append(std::to_string(state.lower)).append("..");

@@ -327,7 +327,7 @@ Result<void> Flasher::write_ranges(const std::vector<FlashRange>& ranges, const 
           const auto size = static_cast<std::uint32_t>(request.payload.size()) - 4;
           done += size;
           min_seconds_ +=
-              size / kFlashLine * std::max(kFlashLine * kByteAt115200, FlashTimes::program_line_s);
+              size / kFlashLine * std::max(kFlashLine * kByteAt115200, FlashTimes::kProgramLine_s);
           report_progress("write", done, total);
           return {};
         }
@@ -408,7 +408,7 @@ Result<FlashReport> Flasher::write(const FlashImage& image) {
       if (!wanted[static_cast<std::size_t>(block)]) continue;
       report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
       KAZ_TRY(erase_block(block));
-      min_seconds_ += FlashTimes::erase_pulse_s + FlashTimes::erase_setup_s;
+      min_seconds_ += FlashTimes::kErasePulse_s + FlashTimes::kEraseSetup_s;
       ++report.erased;
       report_progress("erase", static_cast<std::uint32_t>(report.erased), blocks);
     }

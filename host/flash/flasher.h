@@ -51,11 +51,11 @@ struct FlasherOptions {
 // Times that a chip needs to erase and to program its flash. The chip programs 32 bytes at once. The lower
 // bound on the duration of flashing is computed from these times.
 struct FlashTimes {
-  static constexpr double erase_pulse_s = 0.0051, erase_setup_s = 0.00024;
+  static constexpr double kErasePulse_s = 0.0051, kEraseSetup_s = 0.00024;
   // Time to program one line. This time is the sum of the waits in the programming algorithm, in us:
   //   10 (SWE) + 50 (PSU) + 150 (P) + 10 (alpha) + 10 (beta) + 4 (PV) + 16 * 2 (words) + 4 (PV off)
   //   + 100 (SWE off)
-  static constexpr double program_line_s = 0.00037;
+  static constexpr double kProgramLine_s = 0.00037;
 };
 
 struct FlashReport {

@@ -64,33 +64,33 @@ struct Bench {
   }
 };
 
-const std::vector<std::uint8_t> some_bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+const std::vector<std::uint8_t> kSomeBytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
 TEST(FaultyLink, WithoutFaultsItIsTheLink) {
   Bench bench("");
-  EXPECT_EQ(bench.exchange(some_bytes, milliseconds(5)), some_bytes);
+  EXPECT_EQ(bench.exchange(kSomeBytes, milliseconds(5)), kSomeBytes);
   EXPECT_EQ(bench.clock.now(), std::chrono::seconds(100) + milliseconds(5));
 }
 
 TEST(FaultyLink, DelayHoldsBytesBackInOrder) {
   Bench bench("for 1 ms link_delay 0.02 to board\nlink_delay 0.01 to host\n");
-  EXPECT_TRUE(bench.exchange(some_bytes, milliseconds(25)).empty());
-  EXPECT_EQ(bench.exchange({}, milliseconds(10)), some_bytes);
+  EXPECT_TRUE(bench.exchange(kSomeBytes, milliseconds(25)).empty());
+  EXPECT_EQ(bench.exchange({}, milliseconds(10)), kSomeBytes);
 }
 
 TEST(FaultyLink, ACableIsPulledAndPutBack) {
   Bench bench("at 10 ms for 10 ms link_cut\n");
-  EXPECT_EQ(bench.exchange(some_bytes, milliseconds(12)), some_bytes);
-  EXPECT_TRUE(bench.exchange(some_bytes, milliseconds(12)).empty());
-  EXPECT_EQ(bench.exchange(some_bytes, milliseconds(12)), some_bytes);
+  EXPECT_EQ(bench.exchange(kSomeBytes, milliseconds(12)), kSomeBytes);
+  EXPECT_TRUE(bench.exchange(kSomeBytes, milliseconds(12)).empty());
+  EXPECT_EQ(bench.exchange(kSomeBytes, milliseconds(12)), kSomeBytes);
 }
 
 TEST(FaultyLink, DamageComesFromTheSeed) {
   Bench one("link_flip 0.5\n"), two("link_flip 0.5\n");
-  const auto damaged = one.exchange(some_bytes, milliseconds(1));
-  EXPECT_EQ(damaged.size(), some_bytes.size());
-  EXPECT_NE(damaged, some_bytes);
-  EXPECT_EQ(damaged, two.exchange(some_bytes, milliseconds(1)));
+  const auto damaged = one.exchange(kSomeBytes, milliseconds(1));
+  EXPECT_EQ(damaged.size(), kSomeBytes.size());
+  EXPECT_NE(damaged, kSomeBytes);
+  EXPECT_EQ(damaged, two.exchange(kSomeBytes, milliseconds(1)));
 }
 
 TEST(FaultyLink, FaultsCanBeginLater) {
@@ -99,7 +99,7 @@ TEST(FaultyLink, FaultsCanBeginLater) {
   fault.name = faults::Name::link_cut;
   fault.at = bench.link.age();
   bench.link.add(fault);
-  EXPECT_TRUE(bench.exchange(some_bytes, milliseconds(1)).empty());
+  EXPECT_TRUE(bench.exchange(kSomeBytes, milliseconds(1)).empty());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 struct Wiring {
   int index, pwm, port, bit, mux, input, sign, pot_centre;
 };
-constexpr Wiring wiring[] = {
+constexpr Wiring kWiring[] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
   {index, pwm, port, bit, mux, input, sign, pot_centre},
 #include "shared/board/joints.def"
@@ -25,7 +25,7 @@ TEST(JointTable, NoPinIsUsedTwice) {
   std::set<int> pwm, analog;
   std::set<std::pair<int, int>> direction = {{4, 5}, {4, 0}, {4, 1}, {4, 2}};  // enable, selects
   int expected_index = 0;
-  for (const Wiring& joint : wiring) {
+  for (const Wiring& joint : kWiring) {
     EXPECT_EQ(joint.index, expected_index++);
     EXPECT_TRUE(pwm.insert(joint.pwm).second) << joint.index;
     EXPECT_TRUE(direction.insert({joint.port, joint.bit}).second) << joint.index;
@@ -38,7 +38,7 @@ TEST(JointTable, NoPinIsUsedTwice) {
 
 TEST(JointTable, AngleOfACodeIsTheGeometryOfThePotentiometer) {
   constexpr double rad_per_decideg = std::numbers::pi / 1800;
-  for (const Wiring& joint : wiring) {
+  for (const Wiring& joint : kWiring) {
     for (int code = 0; code < KZ_POT_CODES; ++code) {
       const double decideg = joint.pot_centre + joint.sign * (code + 0.5 - 512) *
                                                     double{KZ_POT_RANGE_DECIDEG} / KZ_POT_CODES;

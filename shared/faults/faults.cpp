@@ -13,7 +13,7 @@
 namespace kaz::faults {
 namespace {
 
-constexpr Kind table[] = {
+constexpr Kind kTable[] = {
 #define KZ_FAULT(name, target, parameter, unit, low, high, initial, where, text) \
   {Name::name, #name, Target::target, parameter, unit, low, high, initial, Where::where, text},
 #include "shared/faults/faults.def"
@@ -42,11 +42,11 @@ double random_value(const Kind& kind, Random& random) {
 }  // namespace
 
 std::span<const Kind> kinds() {
-  return table;
+  return kTable;
 }
 
 const Kind& kind_of(Name name) {
-  return table[static_cast<std::size_t>(name)];
+  return kTable[static_cast<std::size_t>(name)];
 }
 
 bool Fault::is_possible() const {
@@ -90,7 +90,7 @@ std::string Schedule::text() const {
 Schedule random_schedule(std::uint64_t seed, const RandomOptions& options) {
   Schedule schedule;
   std::vector<const Kind*> from;
-  for (const Kind& kind : table) {
+  for (const Kind& kind : kTable) {
     if (wanted(kind, options)) from.push_back(&kind);
   }
   if (from.empty() || options.per_second <= 0) return schedule;

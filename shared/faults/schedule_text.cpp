@@ -12,7 +12,7 @@
 namespace kaz::faults {
 namespace {
 
-constexpr std::string_view joint_names[KZ_JOINTS] = {
+constexpr std::string_view kJointNames[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) #name,
 #include "shared/board/joints.def"
 #undef KZ_JOINT
@@ -94,7 +94,7 @@ Result<int> joint(Words& words, const Kind& kind) {
                     words.peek());
   const std::string_view word = words.take();
   for (int j = 0; j < KZ_JOINTS; ++j) {
-    if (word == joint_names[j] || word == std::to_string(j)) return j;
+    if (word == kJointNames[j] || word == std::to_string(j)) return j;
   }
   return expected("a joint, 0 to 17 or a name such as `neck_pan`", word);
 }

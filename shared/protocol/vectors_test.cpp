@@ -33,18 +33,18 @@ Bytes bytes_of(const json& hex) {
 }
 
 // Names of results, and of errors of bytes.
-const std::map<int, std::string> results = {{KZ_RECEIVE_FRAME, "FRAME"},
-                                            {KZ_RECEIVE_BAD_CHECK, "BAD_CHECK"},
-                                            {KZ_RECEIVE_BAD_STUFFING, "BAD_STUFFING"},
-                                            {KZ_RECEIVE_TOO_SHORT, "TOO_SHORT"},
-                                            {KZ_RECEIVE_TOO_LONG, "TOO_LONG"},
-                                            {KZ_RECEIVE_LINE_ERROR, "LINE_ERROR"},
-                                            {KZ_RECEIVE_OVERRUN, "OVERRUN"},
-                                            {KZ_RECEIVE_IDLE, "IDLE"}};
-const std::map<std::string, u8> errors = {{"OVERRUN", KZ_RX_OVERRUN},
-                                          {"FRAMING", KZ_RX_FRAMING},
-                                          {"PARITY", KZ_RX_PARITY},
-                                          {"LOST", KZ_RX_LOST}};
+const std::map<int, std::string> kResults = {{KZ_RECEIVE_FRAME, "FRAME"},
+                                             {KZ_RECEIVE_BAD_CHECK, "BAD_CHECK"},
+                                             {KZ_RECEIVE_BAD_STUFFING, "BAD_STUFFING"},
+                                             {KZ_RECEIVE_TOO_SHORT, "TOO_SHORT"},
+                                             {KZ_RECEIVE_TOO_LONG, "TOO_LONG"},
+                                             {KZ_RECEIVE_LINE_ERROR, "LINE_ERROR"},
+                                             {KZ_RECEIVE_OVERRUN, "OVERRUN"},
+                                             {KZ_RECEIVE_IDLE, "IDLE"}};
+const std::map<std::string, u8> kErrors = {{"OVERRUN", KZ_RX_OVERRUN},
+                                           {"FRAMING", KZ_RX_FRAMING},
+                                           {"PARITY", KZ_RX_PARITY},
+                                           {"LOST", KZ_RX_LOST}};
 
 std::string hex_of(const u8* bytes, std::size_t length) {
   std::string text;
@@ -61,7 +61,7 @@ json received(const json& stream) {
   std::map<std::size_t, u8> error_at;
   std::map<std::size_t, int> silence_at;
   for (const json& error : stream.value("errors", json::array()))
-    error_at[error[0]] = errors.at(error[1]);
+    error_at[error[0]] = kErrors.at(error[1]);
   for (const json& silence : stream.value("silence_ms", json::array()))
     silence_at[silence[0]] = silence[1];
   json found = json::array();
@@ -69,7 +69,7 @@ json received(const json& stream) {
   kz_receiver_init(&receiver);
   const auto note = [&](u8 result) {
     if (result == KZ_RECEIVE_MORE) return;
-    found.push_back({results.at(result)});
+    found.push_back({kResults.at(result)});
     if (result == KZ_RECEIVE_FRAME) found.back().push_back(hex_of(receiver.body, receiver.length));
   };
   for (std::size_t i = 0; i < wire.size(); ++i) {
@@ -166,7 +166,7 @@ struct Codec {
   }
 #include "shared/protocol/messages.def"
 
-const std::map<std::string, Codec> codecs = {
+const std::map<std::string, Codec> kCodecs = {
 #define KZ_MESSAGE(name, code, kind, text) {#name, {pack_##name, unpack_##name}},
 #include "shared/protocol/messages.def"
 };
@@ -177,16 +177,16 @@ TEST(Vectors, ThereAreEnoughOfEveryKind) {
             500u);
   std::set<std::string> messages, seen;
   for (const json& vector : vectors()["messages"]) messages.insert(vector["message"]);
-  EXPECT_EQ(messages.size(), codecs.size());
+  EXPECT_EQ(messages.size(), kCodecs.size());
   for (const json& stream : vectors()["streams"])
     for (const json& result : stream["results"]) seen.insert(result[0]);
-  EXPECT_EQ(seen.size(), results.size());
+  EXPECT_EQ(seen.size(), kResults.size());
 }
 
 TEST(Vectors, MessagesBothWays) {
   for (const json& vector : vectors()["messages"]) {
     SCOPED_TRACE(vector["name"]);
-    const Codec& codec = codecs.at(vector["message"]);
+    const Codec& codec = kCodecs.at(vector["message"]);
     const Bytes body = bytes_of(vector["body"]);
     ASSERT_GE(body.size(), std::size_t{KZ_HEADER_SIZE});
     EXPECT_EQ(body[0], vector["address"]);

@@ -7,8 +7,8 @@
 namespace kaz::test {
 namespace {
 
-constexpr u8 neck_pan = 0, r_sh_pitch = 6;
-const Bytes key = {KZ_KEY >> 8, KZ_KEY & 0xFF};
+constexpr u8 kNeckPan = 0, kRShPitch = 6;
+const Bytes kKey = {KZ_KEY >> 8, KZ_KEY & 0xFF};
 
 bool driven(const TestBoard& board) {
   return board.output.pw[0] != 0;
@@ -51,7 +51,7 @@ class RawDrive : public testing::Test {
 
 TEST_F(RawDrive, DrivesOneMotorForItsTime) {
   ASSERT_EQ(board.heartbeat(100), 0);
-  board.send(KZ_TYPE_raw_drive, 200, {neck_pan, 0, 120, 0, 50});
+  board.send(KZ_TYPE_raw_drive, 200, {kNeckPan, 0, 120, 0, 50});
   while (board.servo.raw_ms == 0) board.tick();
   int ms = 0;
   for (int i = 0; i < 100; ++i) {
@@ -68,20 +68,20 @@ TEST_F(RawDrive, DrivesOneMotorForItsTime) {
 
 TEST_F(RawDrive, SignIsThatOfTheJoint) {
   for (const s16 duty : {90, -90}) {
-    ASSERT_EQ(board.raw_drive(r_sh_pitch, duty, 1000), 0);  // mirrored, on PW5 and P36
+    ASSERT_EQ(board.raw_drive(kRShPitch, duty, 1000), 0);  // mirrored, on PW5 and P36
     board.ticks(2);
     EXPECT_EQ(board.output.pw[5], 90);
     EXPECT_EQ(board.output.p3 >> 6 & 1, duty < 0);
-    EXPECT_EQ(board.joints(1u << r_sh_pitch).duty[r_sh_pitch], duty);
+    EXPECT_EQ(board.joints(1u << kRShPitch).duty[kRShPitch], duty);
   }
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED | KZ_STATUS_RAW_DRIVE | KZ_STATUS_UNLOCKED);
 }
 
 TEST_F(RawDrive, AFurtherOneReplacesIt) {
-  ASSERT_EQ(board.raw_drive(neck_pan, 100, 1000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 100, 1000), 0);
   board.ticks(2);
   ASSERT_TRUE(driven(board));
-  ASSERT_EQ(board.raw_drive(r_sh_pitch, 100, 1000), 0);
+  ASSERT_EQ(board.raw_drive(kRShPitch, 100, 1000), 0);
   board.ticks(2);
   EXPECT_FALSE(driven(board));
   EXPECT_EQ(board.output.pw[5], 100);
@@ -90,7 +90,7 @@ TEST_F(RawDrive, AFurtherOneReplacesIt) {
 TEST_F(RawDrive, EndsWithAllThatSwitchesMotorsOff) {
   using End = void (*)(TestBoard&);
   const End ends[] = {
-      [](TestBoard& b) { EXPECT_EQ(b.raw_drive(neck_pan, 0, 100), 0); },
+      [](TestBoard& b) { EXPECT_EQ(b.raw_drive(kNeckPan, 0, 100), 0); },
       [](TestBoard& b) { EXPECT_EQ(b.enable(0), 0); },
       [](TestBoard& b) { EXPECT_EQ(b.enable(0b10), 0); },
       [](TestBoard& b) { EXPECT_EQ(b.stop(), 0); },
@@ -105,7 +105,7 @@ TEST_F(RawDrive, EndsWithAllThatSwitchesMotorsOff) {
     board.~TestBoard();
     new (&board) TestBoard;
     ASSERT_EQ(board.unlock(60), 0);
-    ASSERT_EQ(board.raw_drive(neck_pan, 200, 2000), 0);
+    ASSERT_EQ(board.raw_drive(kNeckPan, 200, 2000), 0);
     board.ticks(2);
     ASSERT_TRUE(driven(board));
     end(board);
@@ -117,7 +117,7 @@ TEST_F(RawDrive, EndsWithAllThatSwitchesMotorsOff) {
 
 TEST_F(RawDrive, TheLinkWatchdogSwitchesItOffWhateverTheReaction) {
   ASSERT_EQ(board.heartbeat(0, KZ_REACTION_HOLD), 0);
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 2000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 2000), 0);
   board.ticks(100);
   EXPECT_FALSE(board.drivers_on());
   EXPECT_EQ(board.status(), KZ_SHUTDOWN_LINK_LOST << 8 | KZ_STATUS_UNLOCKED);
@@ -127,7 +127,7 @@ TEST_F(RawDrive, EndsWithTheUnlocksTime) {
   ASSERT_EQ(board.heartbeat(100), 0);
   ASSERT_EQ(board.unlock(1), 0);
   board.ticks(900);
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 2000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 2000), 0);
   board.ticks(2);
   ASSERT_TRUE(driven(board));
   board.ticks(100);
@@ -137,36 +137,36 @@ TEST_F(RawDrive, EndsWithTheUnlocksTime) {
 
 TEST_F(RawDrive, DoesNotDriveFurtherOutAtASoftLimit) {
   ASSERT_EQ(board.limits(1, 60, -1000, 1000), 0);
-  board.set_pot(neck_pan, 560);  // 0.155 rad
+  board.set_pot(kNeckPan, 560);  // 0.155 rad
   board.ticks(100);
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 1000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 1000), 0);
   board.ticks(3);
   EXPECT_FALSE(driven(board));
-  ASSERT_EQ(board.raw_drive(neck_pan, -200, 1000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, -200, 1000), 0);
   board.ticks(3);
   EXPECT_TRUE(driven(board));
 }
 
 TEST_F(RawDrive, ABadPotentiometerGetsNoPowerAndThenSwitchesOff) {
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 2000), 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 2000), 0);
   board.ticks(2);
-  board.set_pot(neck_pan, 0);
+  board.set_pot(kNeckPan, 0);
   board.tick();
   EXPECT_FALSE(driven(board));
   board.ticks(20);
   EXPECT_FALSE(board.drivers_on());
   const kz_health_reply health = board.health();
   EXPECT_EQ(health.status >> 8, KZ_SHUTDOWN_POT);
-  EXPECT_EQ(health.detail, neck_pan);
-  EXPECT_EQ(board.raw_drive(neck_pan, 200, 2000), KZ_REFUSED_FAULT);
+  EXPECT_EQ(health.detail, kNeckPan);
+  EXPECT_EQ(board.raw_drive(kNeckPan, 200, 2000), KZ_REFUSED_FAULT);
   ASSERT_EQ(board.clear(), KZ_REFUSED_FAULT);
 }
 
 TEST_F(RawDrive, IsRefusedWhileAJointIsOnOrAFaultIsThere) {
   ASSERT_EQ(board.enable(0b10), 0);
-  EXPECT_EQ(board.raw_drive(neck_pan, 200, 100), KZ_REFUSED_ARMED);
+  EXPECT_EQ(board.raw_drive(kNeckPan, 200, 100), KZ_REFUSED_ARMED);
   ASSERT_EQ(board.stop(), 0);
-  EXPECT_EQ(board.raw_drive(neck_pan, 200, 100), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.raw_drive(kNeckPan, 200, 100), KZ_REFUSED_FAULT);
   EXPECT_EQ(board.detail, KZ_SHUTDOWN_STOP);
   ASSERT_EQ(board.clear(), 0);
   EXPECT_EQ(board.raw_drive(18, 200, 100), KZ_REFUSED_RANGE);
@@ -178,23 +178,23 @@ TEST_F(RawDrive, IsRefusedWhileAJointIsOnOrAFaultIsThere) {
 }
 
 TEST_F(RawDrive, DutyZeroEndsItWhileAFaultIsThere) {
-  ASSERT_EQ(board.raw_drive(neck_pan, 100, 1000), 0);
-  board.set_pot(neck_pan, 0);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 100, 1000), 0);
+  board.set_pot(kNeckPan, 0);
   board.ticks(5);
-  EXPECT_EQ(board.raw_drive(neck_pan, 100, 1000), KZ_REFUSED_FAULT);
-  EXPECT_EQ(board.raw_drive(neck_pan, 0, 1000), 0);
+  EXPECT_EQ(board.raw_drive(kNeckPan, 100, 1000), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.raw_drive(kNeckPan, 0, 1000), 0);
   EXPECT_FALSE(board.drivers_on());
 }
 
 TEST_F(RawDrive, TargetsDoNotMoveIt) {
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 1000), 0);
-  EXPECT_EQ(board.target(neck_pan, 100, 10), KZ_REFUSED_DISABLED);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 1000), 0);
+  EXPECT_EQ(board.target(kNeckPan, 100, 10), KZ_REFUSED_DISABLED);
 }
 
 TEST_F(RawDrive, CountsAsAMotorThatIsOn) {
-  ASSERT_EQ(board.raw_drive(neck_pan, 200, 2000), 0);
-  EXPECT_EQ(board.outcome(KZ_TYPE_reset, key), KZ_REFUSED_ARMED);
-  EXPECT_EQ(board.outcome(KZ_TYPE_loader, key), KZ_REFUSED_ARMED);
+  ASSERT_EQ(board.raw_drive(kNeckPan, 200, 2000), 0);
+  EXPECT_EQ(board.outcome(KZ_TYPE_reset, kKey), KZ_REFUSED_ARMED);
+  EXPECT_EQ(board.outcome(KZ_TYPE_loader, kKey), KZ_REFUSED_ARMED);
   EXPECT_EQ(board.outcome(KZ_TYPE_set_address, {3, 0}), KZ_REFUSED_ARMED);
   EXPECT_EQ(board.outcome(KZ_TYPE_store_calibration, {}), KZ_REFUSED_ARMED);
   kz_calibrate request = {};
@@ -208,7 +208,7 @@ TEST(Action, ResetAndLoaderComeWhenTheirReplyHasLeft) {
   for (const auto& [type, action] :
        {std::pair{KZ_TYPE_reset, KZ_ACTION_RESET}, std::pair{KZ_TYPE_loader, KZ_ACTION_LOADER}}) {
     TestBoard board;
-    board.send(static_cast<u8>(type), 9, key);
+    board.send(static_cast<u8>(type), 9, kKey);
     board.send(KZ_TYPE_state, 10, {});  // too late
     board.input.tx_room = KZ_TX_BUFFER - 1;
     board.ticks(10);
@@ -230,7 +230,7 @@ TEST(Action, ResetAndLoaderWantTheKeyAndAllMotorsOff) {
     TestBoard board;
     EXPECT_EQ(board.outcome(type, {0, 0}), KZ_REFUSED_RANGE);
     ASSERT_EQ(board.enable(1), 0);
-    EXPECT_EQ(board.outcome(type, key), KZ_REFUSED_ARMED);
+    EXPECT_EQ(board.outcome(type, kKey), KZ_REFUSED_ARMED);
     board.ticks(20);
     EXPECT_TRUE(board.actions.empty());
     EXPECT_TRUE(board.drivers_on());
@@ -240,7 +240,7 @@ TEST(Action, ResetAndLoaderWantTheKeyAndAllMotorsOff) {
 TEST(Action, NothingIsSwitchedOnWhileOneIsAboutToBeDone) {
   TestBoard board;
   board.input.tx_room = 0;  // the reply waits
-  board.send(KZ_TYPE_reset, 9, key);
+  board.send(KZ_TYPE_reset, 9, kKey);
   board.send(KZ_TYPE_enable, 10, {0, 0, 0, 1}, KZ_ADDRESS_ALL);
   board.send(KZ_TYPE_enable, 11, {0, 0, 0, 1});
   board.ticks(10);
@@ -283,7 +283,7 @@ TEST(Action, AFailedWriteIsReported) {
 
 TEST(Action, ForAllBoardsIsDoneWithoutAReply) {
   TestBoard board;
-  board.send(KZ_TYPE_reset, 1, key, KZ_ADDRESS_ALL);
+  board.send(KZ_TYPE_reset, 1, kKey, KZ_ADDRESS_ALL);
   board.ticks(5);
   EXPECT_EQ(board.actions, std::vector<u8>{KZ_ACTION_RESET});
   EXPECT_TRUE(board.replies.empty());

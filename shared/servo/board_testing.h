@@ -33,14 +33,14 @@ Message fields_of(const Reply& reply) {
 
 class TestBoard {
  public:
-  static constexpr u16 centre_code = 512;
-  static constexpr u16 image_crc = 0xABCD;
-  static constexpr u16 healthy_supply_code = 667;  // 10.005 V at 15 mV per code
+  static constexpr u16 kCenterCode = 512;
+  static constexpr u16 kImageCrc = 0xABCD;
+  static constexpr u16 kHealthySupplyCode = 667;  // 10.005 V at 15 mV per code
 
   static kz_startup valid_startup() {
     kz_startup startup;
     kz_startup_nominal(&startup);
-    startup.image_crc = image_crc;
+    startup.image_crc = kImageCrc;
     startup.calibration = KZ_CALIBRATION_A;
     return startup;
   }
@@ -48,8 +48,8 @@ class TestBoard {
   explicit TestBoard(const kz_startup& startup = valid_startup()) {
     kz_servo_init(&servo, &startup, &output);
     kz_receiver_init(&host_receiver_);
-    for (int joint = 0; joint < KZ_JOINTS; ++joint) set_pot(joint, centre_code);
-    input.analog[KZ_ANALOG_SUPPLY] = healthy_supply_code;
+    for (int joint = 0; joint < KZ_JOINTS; ++joint) set_pot(joint, kCenterCode);
+    input.analog[KZ_ANALOG_SUPPLY] = kHealthySupplyCode;
     input.analog[KZ_ANALOG_REFERENCE] = KZ_REFERENCE_CODE;
     input.analog[KZ_ANALOG_TEMPERATURE] = 250;  // 25.0 degC
     input.tx_room = 63;

@@ -14,7 +14,7 @@
 namespace kaz::test {
 namespace {
 
-constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
+constexpr int kNeckPan = 0, kRShPitch = 6, kLHand = 5;
 
 // A ramp that starts with the next tick.
 void go(TestBoard& board, int joint, int angle, int duration_ms) {
@@ -38,9 +38,9 @@ TEST(Ramp, IsStraightAndEndsInTimeOnTheTarget) {
   ASSERT_EQ(board.gains(1, 0, 0), 0);  // it never moves: it would count as stalled
   for (const int target : {5000, -1234, 7, 15707}) {
     for (const int duration : {1000, 333, 700}) {
-      const kz_joint& joint = board.servo.joint[neck_pan];
+      const kz_joint& joint = board.servo.joint[kNeckPan];
       const int start = joint.command;
-      go(board, neck_pan, target, duration);
+      go(board, kNeckPan, target, duration);
       for (int i = 1; i <= duration; ++i) {
         run(board, 1);
         const double line = start + double(target - start) * i / duration;
@@ -48,7 +48,7 @@ TEST(Ramp, IsStraightAndEndsInTimeOnTheTarget) {
       }
       EXPECT_EQ(joint.command, target);
       EXPECT_EQ(joint.ramp_left, 0);
-      go(board, neck_pan, 0, 400);
+      go(board, kNeckPan, 0, 400);
       run(board, 400);
       ASSERT_EQ(joint.command, 0);
     }
@@ -59,11 +59,11 @@ TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
   ASSERT_EQ(board.gains(1, 0, 0), 0);
-  const kz_joint& joint = board.servo.joint[neck_pan];
+  const kz_joint& joint = board.servo.joint[kNeckPan];
   const s16 here = joint.angle;
   for (const int duration : {0, 1, 83}) {
     ASSERT_EQ(joint.command, here);
-    go(board, neck_pan, static_cast<s16>(here + 5000), duration);
+    go(board, kNeckPan, static_cast<s16>(here + 5000), duration);
     EXPECT_EQ(joint.ramp_left, 84);  // 5000 / 60 = 83.3
     int before = here;
     for (int i = 0; i < 84; ++i) {
@@ -72,7 +72,7 @@ TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
       before = joint.command;
     }
     EXPECT_EQ(joint.command, here + 5000);
-    go(board, neck_pan, here, 100);
+    go(board, kNeckPan, here, 100);
     run(board, 100);
   }
 }
@@ -80,13 +80,13 @@ TEST(Ramp, TheJointsRampIsItsHighestSpeed) {
 TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
-  const s16 here = board.servo.joint[neck_pan].angle;
-  go(board, neck_pan, static_cast<s16>(here + 4000), 100);
+  const s16 here = board.servo.joint[kNeckPan].angle;
+  go(board, kNeckPan, static_cast<s16>(here + 4000), 100);
   run(board, 50);
-  ASSERT_EQ(board.servo.joint[neck_pan].command, here + 2000);
-  go(board, neck_pan, here, 100);
+  ASSERT_EQ(board.servo.joint[kNeckPan].command, here + 2000);
+  go(board, kNeckPan, here, 100);
   board.tick();
-  EXPECT_EQ(board.servo.joint[neck_pan].command, here + 1980);
+  EXPECT_EQ(board.servo.joint[kNeckPan].command, here + 1980);
   EXPECT_EQ(board.status() & KZ_STATUS_MOVING, KZ_STATUS_MOVING);
   run(board, 100);
   EXPECT_EQ(board.status(), KZ_STATUS_ENABLED);
@@ -94,16 +94,16 @@ TEST(Ramp, ANewTargetStartsFromWhereTheRampIs) {
 
 TEST(Ramp, TheWidestWayDoesNotOverflow) {
   TestBoard board;
-  kz_joint& joint = board.servo.joint[neck_pan];
+  kz_joint& joint = board.servo.joint[kNeckPan];
   joint.ramp_limit = 1;
   joint.command = -32768;
-  go(board, neck_pan, 32767, 0);
+  go(board, kNeckPan, 32767, 0);
   EXPECT_EQ(joint.ramp_left, 65535);
   EXPECT_EQ(joint.ramp_whole, 1);
   joint.ramp_limit = 65535;
-  go(board, neck_pan, 32767, 65535);
+  go(board, kNeckPan, 32767, 65535);
   EXPECT_EQ(joint.ramp_left, 65535);
-  go(board, neck_pan, 32767, 0);
+  go(board, kNeckPan, 32767, 0);
   EXPECT_EQ(joint.ramp_left, 1);
   EXPECT_EQ(joint.ramp_whole, 65535);
 }
@@ -111,13 +111,13 @@ TEST(Ramp, TheWidestWayDoesNotOverflow) {
 TEST(PositionLoop, DutyIsGainTimesError) {
   TestBoard board;
   ASSERT_EQ(board.enable(1), 0);
-  const s16 here = board.servo.joint[neck_pan].angle;
+  const s16 here = board.servo.joint[kNeckPan].angle;
   // 0.01 rad at 16 /rad: 0.16 of 255, 40.8.
-  ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here + 100), 0), 0);
+  ASSERT_EQ(board.target(kNeckPan, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);
   EXPECT_EQ(board.output.pw[0], 41);
   EXPECT_EQ(board.output.p3 & 1, 1);
-  ASSERT_EQ(board.target(neck_pan, static_cast<s16>(here - 100), 0), 0);
+  ASSERT_EQ(board.target(kNeckPan, static_cast<s16>(here - 100), 0), 0);
   board.ticks(20);
   EXPECT_EQ(board.output.pw[0], 41);
   EXPECT_EQ(board.output.p3 & 1, 0);
@@ -125,10 +125,10 @@ TEST(PositionLoop, DutyIsGainTimesError) {
 
 TEST(PositionLoop, AMirroredServoTurnsTheOtherWay) {
   TestBoard board;
-  ASSERT_EQ(board.enable(1u << r_sh_pitch), 0);
+  ASSERT_EQ(board.enable(1u << kRShPitch), 0);
   const s16 here = KZ_DECIDEG(-500) - 16;  // mirrored: half a code to the other side
-  EXPECT_EQ(board.servo.joint[r_sh_pitch].angle, here);
-  ASSERT_EQ(board.target(r_sh_pitch, static_cast<s16>(here + 100), 0), 0);
+  EXPECT_EQ(board.servo.joint[kRShPitch].angle, here);
+  ASSERT_EQ(board.target(kRShPitch, static_cast<s16>(here + 100), 0), 0);
   board.ticks(20);
   EXPECT_EQ(board.output.pw[5], 41);
   EXPECT_EQ(board.output.p3 >> 6 & 1, 0);  // backward shaft, forward joint
@@ -136,9 +136,9 @@ TEST(PositionLoop, AMirroredServoTurnsTheOtherWay) {
 
 TEST(PositionLoop, HandsAreOnTheTimersAndGiveWay) {
   TestBoard board;
-  ASSERT_EQ(board.enable(1u << l_hand), 0);
-  const s16 here = board.servo.joint[l_hand].angle;
-  ASSERT_EQ(board.target(l_hand, static_cast<s16>(here + 1000), 0), 0);
+  ASSERT_EQ(board.enable(1u << kLHand), 0);
+  const s16 here = board.servo.joint[kLHand].angle;
+  ASSERT_EQ(board.target(kLHand, static_cast<s16>(here + 1000), 0), 0);
   board.ticks(50);
   EXPECT_NEAR(board.output.tmo[0], 20.4, 1.0);  // 0.1 rad at 0.8 /rad: 0.08 of 255
 }
@@ -148,11 +148,11 @@ TEST(PositionLoop, DutySaturatesAtFull) {
   ASSERT_EQ(board.enable(1), 0);
   for (const u16 kp : {5120, KZ_KP_MAX}) {
     ASSERT_EQ(board.gains(1, kp, 0), 0);
-    ASSERT_EQ(board.target(neck_pan, 15707, 0), 0);
+    ASSERT_EQ(board.target(kNeckPan, 15707, 0), 0);
     board.ticks(40);
     EXPECT_EQ(board.output.pw[0], 255);
     EXPECT_EQ(board.output.p3 & 1, 1);
-    ASSERT_EQ(board.target(neck_pan, -15707, 0), 0);
+    ASSERT_EQ(board.target(kNeckPan, -15707, 0), 0);
     board.ticks(60);
     EXPECT_EQ(board.output.pw[0], 255);
     EXPECT_EQ(board.output.p3 & 1, 0);
@@ -161,12 +161,12 @@ TEST(PositionLoop, DutySaturatesAtFull) {
 
 TEST(PositionLoop, DampingIsGainTimesSpeed) {
   TestBoard board;
-  board.set_pot(neck_pan, 300);
+  board.set_pot(kNeckPan, 300);
   board.tick();
   ASSERT_EQ(board.enable(1), 0);
   ASSERT_EQ(board.gains(1, 0, 410), 0);  // 0.1 s/rad
   for (int i = 0; i < 150; ++i) {
-    board.set_pot(neck_pan, static_cast<u16>(300 + i));
+    board.set_pot(kNeckPan, static_cast<u16>(300 + i));
     run(board, 1);
   }
   // One code a millisecond: 190 / 1024 degrees in 1 ms = 3.238 rad/s; times 0.1 of 255 counts.
@@ -179,11 +179,11 @@ TEST(PositionLoop, TheRateFilterSettlesIn8Ms) {
   TestBoard board;
   board.ticks(2);
   for (int i = 1; i <= 8; ++i) {
-    board.set_pot(neck_pan, static_cast<u16>(512 + i));
+    board.set_pot(kNeckPan, static_cast<u16>(512 + i));
     board.tick();
   }
   const double speed = KZ_POT_HALF_SPAN / 512.0 * 64;  // 1/64 of 100 urad/ms
-  EXPECT_NEAR(board.servo.joint[neck_pan].rate, speed * (1 - std::pow(7.0 / 8, 8)), 32 + 8);
+  EXPECT_NEAR(board.servo.joint[kNeckPan].rate, speed * (1 - std::pow(7.0 / 8, 8)), 32 + 8);
 }
 
 TEST(Gains, AreScaledWithoutOverflow) {
@@ -211,12 +211,12 @@ TEST(ClosedLoop, TheMotorGoesToTheTargetAndStays) {
   TestBoard board;
   ASSERT_EQ(board.heartbeat(100), 0);
   ASSERT_EQ(board.enable(1), 0);
-  ASSERT_EQ(board.target(neck_pan, 8000, 300), 0);
+  ASSERT_EQ(board.target(kNeckPan, 8000, 300), 0);
   Motor motor;
   double highest = 0;
   for (int ms = 0; ms < 800; ++ms) {
     const double code = 512 + motor.angle * 180 / std::numbers::pi * KZ_POT_CODES / 190;
-    board.set_pot(neck_pan, static_cast<u16>(std::floor(code)));
+    board.set_pot(kNeckPan, static_cast<u16>(std::floor(code)));
     board.tick();
     const double sign = (board.output.p3 & 1) ? 1 : -1;
     motor.step(sign * board.output.pw[0] / 256.0);

@@ -15,17 +15,17 @@
 namespace kaz::test {
 namespace {
 
-constexpr int knee = 12;  // not mirrored, 0.67 rad at mid-scale
-constexpr u32 only_knee = 1u << knee;
+constexpr int kKnee = 12;  // not mirrored, 0.67 rad at mid-scale
+constexpr u32 kOnlyKnee = 1u << kKnee;
 
 class Protection : public testing::Test {
  protected:
   // Enables the knee with a target that demands `share` of full duty; gain in units of 1/256 per rad.
   void push(double share) {
     ASSERT_EQ(board.heartbeat(100), 0);
-    ASSERT_EQ(board.enable(only_knee), 0);
-    ASSERT_EQ(board.gains(only_knee, 2560, 0), 0);  // 10 /rad
-    kz_joint& joint = board.servo.joint[knee];
+    ASSERT_EQ(board.enable(kOnlyKnee), 0);
+    ASSERT_EQ(board.gains(kOnlyKnee, 2560, 0), 0);  // 10 /rad
+    kz_joint& joint = board.servo.joint[kKnee];
     joint.command = joint.target = static_cast<s16>(joint.angle + std::lround(share * 1000));
   }
   // Milliseconds until the motors go off, at most `max_ms`; the host says now and then that it is there.
@@ -37,7 +37,7 @@ class Protection : public testing::Test {
     }
     return max_ms;
   }
-  kz_joint& joint() { return board.servo.joint[knee]; }
+  kz_joint& joint() { return board.servo.joint[kKnee]; }
 
   TestBoard board;
 };
@@ -46,7 +46,7 @@ TEST_F(Protection, AStalledMotorIsSwitchedOffAfterASecond) {
   push(1.0);
   EXPECT_NEAR(until_off(5000), 1000, 60);
   EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_STALL);
-  EXPECT_EQ(board.servo.shutdown_detail, knee);
+  EXPECT_EQ(board.servo.shutdown_detail, kKnee);
   board.ticks(20);
   EXPECT_EQ(board.clear(), 0);  // it is not stalled any more: it is off
 }
@@ -54,7 +54,7 @@ TEST_F(Protection, AStalledMotorIsSwitchedOffAfterASecond) {
 TEST_F(Protection, StallIsReportedBeforeItSwitchesOff) {
   push(1.0);
   board.ticks(500);
-  EXPECT_TRUE(kz_joint_flags(&board.servo.joint[knee], 0) & KZ_JOINT_STALLED);
+  EXPECT_TRUE(kz_joint_flags(&board.servo.joint[kKnee], 0) & KZ_JOINT_STALLED);
   EXPECT_TRUE(board.drivers_on());
   EXPECT_NEAR(kz_joint_load(&joint()), 252, 1);
 }
@@ -72,7 +72,7 @@ TEST_F(Protection, AMotorThatMovesUnderHighLoadIsNotStalled) {
   push(1.0);
   for (int ms = 0; ms < 1500; ++ms) {
     if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
-    board.set_pot(knee, static_cast<u16>(512 + ms / 25));  // 0.13 rad/s
+    board.set_pot(kKnee, static_cast<u16>(512 + ms / 25));  // 0.13 rad/s
     joint().command = static_cast<s16>(joint().angle + 1000);
     board.tick();
     ASSERT_TRUE(board.drivers_on()) << ms;
@@ -83,7 +83,7 @@ TEST_F(Protection, AMotorThatMovesBackwardsUnderHighLoadIsNotStalled) {
   push(-1.0);
   for (int ms = 0; ms < 1500; ++ms) {
     if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
-    board.set_pot(knee, static_cast<u16>(512 - ms / 25));
+    board.set_pot(kKnee, static_cast<u16>(512 - ms / 25));
     joint().command = static_cast<s16>(joint().angle - 1000);
     board.tick();
     ASSERT_TRUE(board.drivers_on()) << ms;
@@ -98,7 +98,7 @@ TEST_F(Protection, AStalledMotorThatCreepsEitherWayIsStillStalled) {
     int ms = 0;
     for (; ms < 2000 && board.drivers_on(); ++ms) {
       if (ms % 500 == 0) board.send(KZ_TYPE_heartbeat, ++board.sequence, {0, 0});
-      board.set_pot(knee, static_cast<u16>(512 + direction * (ms / 250)));
+      board.set_pot(kKnee, static_cast<u16>(512 + direction * (ms / 250)));
       joint().command = static_cast<s16>(joint().angle + 1000);
       board.tick();
     }
@@ -131,7 +131,7 @@ TEST_F(Protection, HeatFollowsTheModel) {
     const double expected = seconds_to_heat(share * 252 / 255);
     EXPECT_NEAR(until_off(300'000) / 1000.0, expected, 0.05 * expected) << share;
     EXPECT_EQ(board.servo.shutdown, KZ_SHUTDOWN_OVERLOAD) << share;
-    EXPECT_EQ(board.servo.shutdown_detail, knee);
+    EXPECT_EQ(board.servo.shutdown_detail, kKnee);
     EXPECT_EQ(board.clear(), KZ_REFUSED_FAULT);  // still hot
   }
 }
@@ -160,7 +160,7 @@ TEST_F(Protection, LoadIsDutyLessBackEmf) {
   joint().forward = 1;
   const auto load_at = [&](double rad_per_s) {
     joint().rate = static_cast<s16>(std::lround(rad_per_s * 640));
-    servo.phase = knee;
+    servo.phase = kKnee;
     kz_protection_update(&servo);
     return static_cast<int>(joint().load);
   };
@@ -176,7 +176,7 @@ TEST_F(Protection, LoadHasTheDirectionOfTheDrive) {
   kz_servo& servo = board.servo;
   servo.enabled = 1;
   servo.supply_mv = 10'000;
-  servo.phase = knee;
+  servo.phase = kKnee;
   joint().duty = 255;
   // A motor that turns the way it is driven has no load at full speed, else twice the highest.
   for (const bool mirrored : {false, true}) {
@@ -214,12 +214,12 @@ TEST_F(Protection, EveryJointHasItsTurn) {
 
 TEST_F(Protection, HeatIsNoFaultWhileMotorsAreOff) {
   kz_servo& servo = board.servo;
-  servo.phase = knee;
+  servo.phase = kKnee;
   servo.enabled = 0;
   joint().heat = u32{KZ_HEAT_FULL + 10} << 16;
   EXPECT_EQ(kz_protection_update(&servo), 0);
   servo.enabled = 1;
-  EXPECT_EQ(kz_protection_update(&servo), KZ_SHUTDOWN_OVERLOAD << 8 | knee);
+  EXPECT_EQ(kz_protection_update(&servo), KZ_SHUTDOWN_OVERLOAD << 8 | kKnee);
 }
 
 // A joint is constrained if it can reach a limit within 4 ms: it is nearer than its rate and 3,100.
@@ -228,7 +228,7 @@ class NearLimits : public Protection {
   u8 constrained(int angle, int rate) {
     joint().angle = static_cast<s16>(angle);
     joint().rate = static_cast<s16>(rate);
-    board.servo.phase = knee;
+    board.servo.phase = kKnee;
     kz_protection_update(&board.servo);
     return joint().constrained;
   }

@@ -7,7 +7,7 @@
 namespace kaz::test {
 namespace {
 
-constexpr int neck_pan = 0, r_sh_pitch = 6, l_hand = 5;
+constexpr int kNeckPan = 0, kRShPitch = 6, kLHand = 5;
 
 TEST(Replies, HealthReportsWhatIsMeasured) {
   TestBoard board;
@@ -35,7 +35,7 @@ TEST(Replies, SelfTestReportsWhatTheStartFound) {
   const kz_self_test_reply test = board.self_test();
   EXPECT_EQ(test.done, 7);
   EXPECT_EQ(test.failed, 0);
-  EXPECT_EQ(test.image_crc, TestBoard::image_crc);
+  EXPECT_EQ(test.image_crc, TestBoard::kImageCrc);
   EXPECT_EQ(test.start_8states, 12345);
 }
 
@@ -43,7 +43,7 @@ TEST(Replies, ReadTargetsReportsTargetsAndAnglesOfWhatIsOff) {
   TestBoard board;
   board.set_pot(1, 555);
   ASSERT_EQ(board.enable(0b1), 0);
-  ASSERT_EQ(board.target(neck_pan, 4321, 5000), 0);
+  ASSERT_EQ(board.target(kNeckPan, 4321, 5000), 0);
   const kz_read_targets_reply reply = board.read_targets(0b11);
   EXPECT_EQ(reply.mask, 0b11u);
   EXPECT_EQ(reply.angle[0], 4321);
@@ -53,16 +53,16 @@ TEST(Replies, ReadTargetsReportsTargetsAndAnglesOfWhatIsOff) {
 
 TEST(Replies, ReadTargetsOfAJointJustSwitchedOnIsItsAngle) {
   TestBoard board;
-  board.set_pot(neck_pan, 600);
+  board.set_pot(kNeckPan, 600);
   ASSERT_EQ(board.enable(1), 0);
   EXPECT_EQ(board.read_targets(1).angle[0], kz_pot_angle(&kz_board_joints[0], 600));
 }
 
 TEST(Replies, JointsReportsAngleSpeedAndDrive) {
   TestBoard board;
-  const u32 mask = 1u << neck_pan | 1u << r_sh_pitch | 1u << 17;
+  const u32 mask = 1u << kNeckPan | 1u << kRShPitch | 1u << 17;
   ASSERT_EQ(board.enable(mask), 0);
-  for (const int joint : {neck_pan, r_sh_pitch}) {
+  for (const int joint : {kNeckPan, kRShPitch}) {
     // One code a millisecond: 3.238 rad/s. The neck goes up, the shoulder's angle down.
     for (u16 i = 0; i < 60; ++i) {
       board.set_pot(joint, static_cast<u16>(512 + i));
@@ -70,7 +70,7 @@ TEST(Replies, JointsReportsAngleSpeedAndDrive) {
     }
     const kz_joints_reply reply = board.joints(mask);
     EXPECT_EQ(reply.mask, mask);
-    const bool mirrored = joint == r_sh_pitch;
+    const bool mirrored = joint == kRShPitch;
     // The pot stands still for the milliseconds that the request takes, so the speed is less.
     EXPECT_GT(mirrored ? -reply.speed[joint] : reply.speed[joint], 1500);
     EXPECT_LT(mirrored ? -reply.speed[joint] : reply.speed[joint], 3300);
@@ -84,14 +84,14 @@ TEST(Replies, JointsReportsAngleSpeedAndDrive) {
 TEST(Replies, JointsReportsFlags) {
   TestBoard board;
   ASSERT_EQ(board.enable(0b1), 0);
-  ASSERT_EQ(board.target(neck_pan, 5000, 2000), 0);
+  ASSERT_EQ(board.target(kNeckPan, 5000, 2000), 0);
   board.set_pot(1, 2);
-  board.set_pot(l_hand, 1019);  // beyond what the hand's mechanics allow
+  board.set_pot(kLHand, 1019);  // beyond what the hand's mechanics allow
   const kz_joints_reply reply = board.joints(0b100111);
   EXPECT_EQ(reply.faults[0], KZ_JOINT_ON | KZ_JOINT_MOVING);
   EXPECT_EQ(reply.faults[1], KZ_JOINT_POT);
   EXPECT_EQ(reply.faults[2], 0);
-  EXPECT_EQ(reply.faults[l_hand], KZ_JOINT_AT_LIMIT);
+  EXPECT_EQ(reply.faults[kLHand], KZ_JOINT_AT_LIMIT);
 }
 
 TEST(Replies, JointsTakesNineAndNoMore) {
@@ -105,16 +105,16 @@ TEST(Replies, JointsTakesNineAndNoMore) {
 
 TEST(Replies, SettingsReportsWhatIsInForceAfterAReset) {
   TestBoard board;
-  const kz_settings_reply neck = board.settings(neck_pan), hand = board.settings(l_hand);
-  EXPECT_EQ(neck.joint, neck_pan);
+  const kz_settings_reply neck = board.settings(kNeckPan), hand = board.settings(kLHand);
+  EXPECT_EQ(neck.joint, kNeckPan);
   EXPECT_NEAR(neck.kp, KZ_KP_DEFAULT, 2);
   EXPECT_NEAR(neck.kd, KZ_KD_DEFAULT, 3);
   EXPECT_EQ(neck.dead_band, 0);
   EXPECT_EQ(neck.friction, 0);
   EXPECT_EQ(neck.ramp, KZ_RAMP_DEFAULT);
-  EXPECT_EQ(neck.lower, kz_board_joints[neck_pan].lower);
-  EXPECT_EQ(neck.upper, kz_board_joints[neck_pan].upper);
-  EXPECT_EQ(hand.joint, l_hand);
+  EXPECT_EQ(neck.lower, kz_board_joints[kNeckPan].lower);
+  EXPECT_EQ(neck.upper, kz_board_joints[kNeckPan].upper);
+  EXPECT_EQ(hand.joint, kLHand);
   EXPECT_NEAR(hand.kp, KZ_KP_HAND, 2);
   EXPECT_EQ(board.outcome(KZ_TYPE_settings, {18}), KZ_REFUSED_RANGE);
   EXPECT_EQ(board.detail, 0);

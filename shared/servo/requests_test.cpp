@@ -8,7 +8,7 @@
 namespace kaz::test {
 namespace {
 
-constexpr u32 all_joints = (1u << KZ_JOINTS) - 1;
+constexpr u32 kAllJoints = (1u << KZ_JOINTS) - 1;
 
 TEST(Requests, IdentifyReportsWhatTheBoardIs) {
   kz_startup startup;
@@ -155,7 +155,7 @@ TEST(Requests, RefusesATargetForAJointThatIsOff) {
 TEST(Requests, RefusesToEnableWhileAFaultIsPresent) {
   TestBoard board;
   board.set_pot(7, 0);
-  EXPECT_EQ(board.enable(all_joints), KZ_REFUSED_FAULT);
+  EXPECT_EQ(board.enable(kAllJoints), KZ_REFUSED_FAULT);
   EXPECT_EQ(board.detail, KZ_SHUTDOWN_POT);
   EXPECT_EQ(board.enable(0b1), 0);  // the other joints have no fault
   board.enable(0);

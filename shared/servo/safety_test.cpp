@@ -9,7 +9,7 @@
 namespace kaz::test {
 namespace {
 
-constexpr u32 all_joints = (1u << KZ_JOINTS) - 1;
+constexpr u32 kAllJoints = (1u << KZ_JOINTS) - 1;
 
 bool all_off(const kz_tick_output& output) {
   int sum = output.p3 | output.p4 | output.p5 | output.p6;
@@ -34,7 +34,7 @@ TEST(Safety, EnableDoesNotMoveAJointWhereverItStands) {
     for (int joint = 0; joint < KZ_JOINTS; ++joint) board.set_pot(joint, code);
     board.ticks(100);  // the jump is no motion any more
     ASSERT_EQ(board.heartbeat(100), 0);
-    ASSERT_EQ(board.enable(all_joints), 0);
+    ASSERT_EQ(board.enable(kAllJoints), 0);
     for (int i = 0; i < 100; ++i) {
       board.tick();
       ASSERT_TRUE(board.drivers_on());
@@ -142,7 +142,7 @@ TEST(Safety, SupplyOutOfRangeFor20MsSwitchesOff) {
 
 TEST(Safety, DisableSwitchesTheDriversOffAtOnce) {
   TestBoard board;
-  ASSERT_EQ(board.enable(all_joints), 0);
+  ASSERT_EQ(board.enable(kAllJoints), 0);
   board.send(KZ_TYPE_enable, 200, {0, 0, 0, 0});
   board.tick();
   EXPECT_TRUE(all_off(board.output));

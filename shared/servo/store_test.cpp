@@ -58,8 +58,8 @@ kz_store_plan plan_for(const Flash& flash) {
 }
 
 // The steps of a store: optional erasure, then three lines. Does the first `steps` of them.
-constexpr int all_steps = 4;
-kz_store_plan store(Flash& flash, const Values& values, int steps = all_steps) {
+constexpr int kAllSteps = 4;
+kz_store_plan store(Flash& flash, const Values& values, int steps = kAllSteps) {
   const kz_store before = flash.scan();
   kz_store_plan plan;
   kz_store_plan_next(&before, &plan);
@@ -145,12 +145,12 @@ TEST(Store, NewestOfManyCountsAndBlocksAlternate) {
 
 TEST(Store, AStoreThatStopsAtAnyStepLeavesTheOldOrTheNewCopy) {
   for (int copies = 0; copies < 45; ++copies) {
-    for (int steps = 0; steps <= all_steps; ++steps) {
+    for (int steps = 0; steps <= kAllSteps; ++steps) {
       Flash flash;
       for (int i = 1; i <= copies; ++i) store(flash, Values(i));
       store(flash, Values(99), steps);
       const auto left = load(flash);
-      if (steps == all_steps) {
+      if (steps == kAllSteps) {
         EXPECT_EQ(left, Values(99));
       } else if (copies == 0) {
         EXPECT_FALSE(left);
@@ -170,10 +170,10 @@ TEST(Store, TornLinesAndErasuresNeverCostTheLastCopy) {
   store(flash, Values(0));
   Values kept(0);
   for (int i = 1; i <= 4000; ++i) {
-    const int steps = static_cast<int>(random() % (all_steps + 1));
+    const int steps = static_cast<int>(random() % (kAllSteps + 1));
     const Flash before = flash;
     const kz_store_plan plan = store(flash, Values(i), steps);
-    if (steps == all_steps) {
+    if (steps == kAllSteps) {
       kept = Values(i);
     } else {
       // The next step, cut off: some of the bits that it moves have moved.

@@ -9,7 +9,7 @@
 namespace kaz::test {
 namespace {
 
-constexpr u8 everything = 15;
+constexpr u8 kEverything = 15;
 
 u32 tick_of(const Reply& reply) {
   return static_cast<u32>(reply.fields[0] << 24 | reply.fields[1] << 16 | reply.fields[2] << 8 |
@@ -55,7 +55,7 @@ TEST(Telemetry, ReportsAnglesCommandsDrivesAndHealth) {
   board.input.worst_8states = 1100;
   ASSERT_EQ(board.enable(1), 0);
   ASSERT_EQ(board.target(0, 100, 0), 0);
-  ASSERT_EQ(board.telemetry(50, everything), 0);
+  ASSERT_EQ(board.telemetry(50, kEverything), 0);
   board.replies.clear();
   run(board, 80);
   ASSERT_EQ(board.replies.size(), 4u);
@@ -85,7 +85,7 @@ TEST(Telemetry, ReportsAnglesCommandsDrivesAndHealth) {
 
 TEST(Telemetry, RepliesComeFirst) {
   TestBoard board;
-  ASSERT_EQ(board.telemetry(20, everything), 0);
+  ASSERT_EQ(board.telemetry(20, kEverything), 0);
   board.replies.clear();
   while (board.replies.empty()) board.tick();
   board.tick();  // the first of four is there, the second under way
@@ -100,7 +100,7 @@ TEST(Telemetry, RepliesComeFirst) {
 
 TEST(Telemetry, WhatTheWireHasNoTimeForIsDroppedAndCounted) {
   TestBoard board;
-  ASSERT_EQ(board.telemetry(KZ_TELEMETRY_PERIOD_MIN_MS, everything), 0);
+  ASSERT_EQ(board.telemetry(KZ_TELEMETRY_PERIOD_MIN_MS, kEverything), 0);
   board.replies.clear();
   run(board, 205);
   const std::size_t sent = board.replies.size();
@@ -148,7 +148,7 @@ TEST(Telemetry, EndsWhenTheHostIsSilentAlsoWithMotorsOff) {
 
 TEST(Telemetry, ANewRequestReplacesTheOld) {
   TestBoard board;
-  ASSERT_EQ(board.telemetry(10, everything), 0);
+  ASSERT_EQ(board.telemetry(10, kEverything), 0);
   run(board, 30);
   ASSERT_EQ(board.telemetry(30, KZ_TELEMETRY_HEALTH), 0);
   board.ticks(8);

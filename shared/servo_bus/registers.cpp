@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::servo_bus {
 namespace {
@@ -64,7 +65,6 @@ constexpr Change kChanges[] = {
 #undef KZ_DYNAMIXEL
 #undef KZ_INITIAL
 
-constexpr double degree = std::numbers::pi / 180;
 constexpr bool little = false, big = true;
 #define KZ_INITIAL(...)
 #define KZ_SERVO(model, words, code, order, count, degrees, goes_on, syncs, unit_ms, table) \
@@ -73,7 +73,7 @@ constexpr bool little = false, big = true;
         .number = code,                                                                     \
         .big_endian = order,                                                                \
         .steps = count,                                                                     \
-        .span_rad = degrees * degree,                                                       \
+        .span_rad = degrees * kDegree,                                                      \
         .full_turn = goes_on,                                                               \
         .sync_read = syncs,                                                                 \
         .protection_unit_ms = unit_ms,                                                      \
@@ -85,7 +85,7 @@ constexpr bool little = false, big = true;
         .protocol = Protocol::dynamixel,                                                 \
         .number = code,                                                                  \
         .steps = 4096,                                                                   \
-        .span_rad = 360 * degree,                                                        \
+        .span_rad = 360 * kDegree,                                                       \
         .full_turn = true,                                                               \
         .sync_read = true,                                                               \
         .position_p_unit = p_unit,                                                       \

@@ -8,11 +8,12 @@
 #include <numbers>
 #include <vector>
 
+#include "shared/base/angle.hpp"
+
 namespace kaz::sim {
 namespace {
 
-constexpr double deg = std::numbers::pi / 180.0;
-constexpr double g = 9.80665;
+constexpr double kGravity = 9.80665;
 
 SensorParams params() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value();
@@ -28,7 +29,8 @@ SensorParams quiet() {
 TEST(Imu, IdealGivesItsLawAtOnce) {
   Imu imu(params(), SensorSwitches::ideal(), 1);
   imu.advance(1, {});
-  imu.advance(2, {.yaw_rate = 100 * deg, .forward_force = g, .left_force = -0.5 * g});
+  imu.advance(
+      2, {.yaw_rate = 100 * kDegree, .forward_force = kGravity, .left_force = -0.5 * kGravity});
   EXPECT_NEAR(imu.ratio(0), 0.6, 1e-12);     // 0.5 V of 5 V more than 2.5 V
   EXPECT_NEAR(imu.ratio(1), 0.5624, 1e-12);  // 0.312 V
   EXPECT_NEAR(imu.ratio(2), 0.4688, 1e-12);
@@ -36,7 +38,8 @@ TEST(Imu, IdealGivesItsLawAtOnce) {
 
 TEST(Imu, StandsAtTheEndsOfItsRanges) {
   Imu imu(quiet(), {}, 1);
-  imu.advance(1, {.yaw_rate = 1000 * deg, .forward_force = 5 * g, .left_force = -5 * g});
+  imu.advance(
+      1, {.yaw_rate = 1000 * kDegree, .forward_force = 5 * kGravity, .left_force = -5 * kGravity});
   EXPECT_NEAR(imu.ratio(0), 0.8, 1e-12);
   EXPECT_NEAR(imu.ratio(1), 0.5 + 2 * 0.0624, 1e-12);
   EXPECT_NEAR(imu.ratio(2), 0.5 - 2 * 0.0624, 1e-12);
@@ -111,7 +114,7 @@ TEST(Imu, ZeroWandersAsAGaussMarkovProcess) {
   double moved = 0, where = 0;
   for (int part = 0; part < parts; ++part) {
     SensorParams f = quiet();
-    f.gyro.wander = 0.5 * deg;
+    f.gyro.wander = 0.5 * kDegree;
     f.gyro.wander_time_s = 100;
     Imu imu(f, {}, static_cast<std::uint64_t>(part));
     imu.advance(1, {});

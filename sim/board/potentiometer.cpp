@@ -15,19 +15,19 @@ struct Mounting {
   int sign, centre_decideg;
 };
 
-constexpr Mounting mountings[KZ_JOINTS] = {
+constexpr Mounting kMountings[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) {sign, pot_centre},
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 };
 
-constexpr double rad_per_decideg = std::numbers::pi / 1800.0;
-constexpr double pot_range_rad = KZ_POT_RANGE_DECIDEG * rad_per_decideg;
+constexpr double kRadPerDecideg = std::numbers::pi / 1800.0;
+constexpr double kPotRange_rad = KZ_POT_RANGE_DECIDEG * kRadPerDecideg;
 
 // Position of the wiper in tracks from the lower end; outside 0..1 it has left the track.
 double place(int joint, double angle_rad) {
-  const Mounting& at = mountings[static_cast<std::size_t>(joint)];
-  return 0.5 + at.sign * (angle_rad - at.centre_decideg * rad_per_decideg) / pot_range_rad;
+  const Mounting& at = kMountings[static_cast<std::size_t>(joint)];
+  return 0.5 + at.sign * (angle_rad - at.centre_decideg * kRadPerDecideg) / kPotRange_rad;
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ Potentiometer::Potentiometer(int joint, const PotentiometerParams& params,
 
 double Potentiometer::ratio(double angle_rad) const {
   const double x = place(joint_, angle_rad + offset_rad_);
-  const double beyond_rad = pot_range_rad * std::max(-x, x - 1);
+  const double beyond_rad = kPotRange_rad * std::max(-x, x - 1);
   if (opens_ && beyond_rad > terminal_rad_) return open_level_;
   if (beyond_rad >= 0) return std::clamp(x, 0.0, 1.0);
   double error = 0;

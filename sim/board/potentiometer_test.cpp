@@ -7,12 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "shared/board/table.h"
 
 namespace kaz::sim {
 namespace {
-
-constexpr double deg = std::numbers::pi / 180.0;
 
 PotentiometerParams params() {
   return load_sensor_file("shared/robot/kaz/sensors.xml").value().potentiometer;
@@ -21,21 +20,21 @@ PotentiometerParams params() {
 TEST(Potentiometer, TrackOf190DegreesAndItsTerminals) {
   const Potentiometer pan(0, params(), {}, 1);  // neck_pan: sign +1, centre 0
   EXPECT_NEAR(pan.ratio(0), 0.5, 1e-12);
-  EXPECT_NEAR(pan.ratio(-95 * deg), 0.0, 1e-12);
-  EXPECT_NEAR(pan.ratio(95 * deg), 1.0, 1e-12);
-  EXPECT_NEAR(pan.ratio(19 * deg), 0.6, 1e-12);
-  EXPECT_EQ(pan.ratio(-96.9 * deg), 0.0) << "on the terminal, 2 degrees wide";
-  EXPECT_EQ(pan.ratio(96.9 * deg), 1.0);
+  EXPECT_NEAR(pan.ratio(-95 * kDegree), 0.0, 1e-12);
+  EXPECT_NEAR(pan.ratio(95 * kDegree), 1.0, 1e-12);
+  EXPECT_NEAR(pan.ratio(19 * kDegree), 0.6, 1e-12);
+  EXPECT_EQ(pan.ratio(-96.9 * kDegree), 0.0) << "on the terminal, 2 degrees wide";
+  EXPECT_EQ(pan.ratio(96.9 * kDegree), 1.0);
 }
 
 TEST(Potentiometer, BeyondTheTerminalsTheInputsPullUpDecides) {
   const Potentiometer pan(0, params(), {}, 1);
-  EXPECT_EQ(pan.ratio(-97.1 * deg), 1.0);
-  EXPECT_EQ(pan.ratio(-150 * deg), 1.0);
-  EXPECT_EQ(pan.ratio(97.1 * deg), 1.0);
+  EXPECT_EQ(pan.ratio(-97.1 * kDegree), 1.0);
+  EXPECT_EQ(pan.ratio(-150 * kDegree), 1.0);
+  EXPECT_EQ(pan.ratio(97.1 * kDegree), 1.0);
   PotentiometerParams pulled_down = params();
   pulled_down.open_level = 0;
-  EXPECT_EQ(Potentiometer(0, pulled_down, {}, 1).ratio(120 * deg), 0.0);
+  EXPECT_EQ(Potentiometer(0, pulled_down, {}, 1).ratio(120 * kDegree), 0.0);
 }
 
 TEST(Potentiometer, IdealIsTheNominalLawAndStopsAtItsEnds) {
@@ -66,7 +65,7 @@ TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
     const Potentiometer pot(0, bent, SensorSwitches::as_built(), seed);
     double last = 0;
     for (int i = 0; i <= 1900; ++i) {
-      const double angle = (0.1 * i - 95) * deg;
+      const double angle = (0.1 * i - 95) * kDegree;
       const double error = pot.ratio(angle) - pot_ratio(0, angle);
       largest = std::max(largest, std::abs(error));
       // Slope of each wave at most k pi times its share: together 3 pi of the limit a range.
@@ -80,7 +79,7 @@ TEST(AsBuilt, LinearityErrorIsSmoothBoundedZeroAtTheEndsAndTheJointsOwn) {
   const Potentiometer a(0, bent, SensorSwitches::as_built(), 1);
   const Potentiometer b(1, bent, SensorSwitches::as_built(), 1);
   const Potentiometer again(0, bent, SensorSwitches::as_built(), 1);
-  EXPECT_NE(a.ratio(0) - pot_ratio(0, 0), b.ratio(15 * deg) - pot_ratio(1, 15 * deg));
+  EXPECT_NE(a.ratio(0) - pot_ratio(0, 0), b.ratio(15 * kDegree) - pot_ratio(1, 15 * kDegree));
   EXPECT_EQ(a.ratio(0.3), again.ratio(0.3));
 }
 
@@ -92,13 +91,13 @@ TEST(AsBuilt, MountingShiftsTheWholeCurveAndNotMoreThanTheTrackAllows) {
   for (int seed = 0; seed < count; ++seed) {
     const Potentiometer pot(0, shifted, SensorSwitches::as_built(),
                             static_cast<std::uint64_t>(seed));
-    ASSERT_LE(std::abs(pot.offset_rad()), 1.0 * deg);
+    ASSERT_LE(std::abs(pot.offset_rad()), 1.0 * kDegree);
     ASSERT_NEAR(pot.ratio(0.4), pot_ratio(0, 0.4 + pot.offset_rad()), 1e-12);
     squares += pot.offset_rad() * pot.offset_rad();
   }
   // Normal of half a degree cut at two sigma: its sigma is 0.48 degrees (clamped, 0.9199 of the
   // variance); five standard errors.
-  EXPECT_NEAR(std::sqrt(squares / count) / deg, 0.5 * std::sqrt(0.9199), 0.04);
+  EXPECT_NEAR(std::sqrt(squares / count) / kDegree, 0.5 * std::sqrt(0.9199), 0.04);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Wiring {
   int pwm, port, bit, mux, input, sign;
 };
 
-constexpr Wiring wiring[KZ_JOINTS] = {
+constexpr Wiring kWiring[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) \
   {pwm, port, bit, mux, input, sign},
 #include "shared/board/joints.def"
@@ -31,11 +31,11 @@ constexpr std::array<int, KZ_ANALOG> joints_by_input() {
   std::array<int, KZ_ANALOG> table{};
   table.fill(-1);
   for (std::size_t j = 0; j < KZ_JOINTS; ++j)
-    table[static_cast<std::size_t>(wiring[j].mux * KZ_MUX_INPUTS + wiring[j].input)] =
+    table[static_cast<std::size_t>(kWiring[j].mux * KZ_MUX_INPUTS + kWiring[j].input)] =
         static_cast<int>(j);
   return table;
 }
-constexpr auto joint_at_input = joints_by_input();
+constexpr auto kJointAtInput = joints_by_input();
 
 std::uint8_t port_level(const PinLevels& pins, int port) {
   switch (port) {
@@ -61,7 +61,7 @@ int signed_counts(const PinLevels& pins, const Wiring& wire) {
 }  // namespace
 
 double duty_of(const PinLevels& pins, std::size_t joint) {
-  return signed_counts(pins, wiring[joint]) / 256.0;
+  return signed_counts(pins, kWiring[joint]) / 256.0;
 }
 
 ServoBoard::ServoBoard(std::unique_ptr<Mcu> mcu, const ServoBoardOptions& options)
@@ -173,7 +173,7 @@ double ServoBoard::noise_free(unsigned input) const {
     default:
       break;
   }
-  const int joint = joint_at_input[input];
+  const int joint = kJointAtInput[input];
   if (joint < 0) return 0.0;
   const auto j = static_cast<std::size_t>(joint);
   return pot_faults_[j].level.value_or(pot_[j]);
@@ -192,7 +192,7 @@ double ServoBoard::noise_codes(unsigned input) const {
     default:
       break;
   }
-  const int joint = joint_at_input[input];
+  const int joint = kJointAtInput[input];
   if (joint < 0) return 0.0;  // tied to ground
   return std::hypot(sensors.potentiometer ? params.potentiometer.noise_codes : 0.0,
                     pot_faults_[static_cast<std::size_t>(joint)].noise_codes);
@@ -227,7 +227,7 @@ void ServoBoard::integrate(States until) {
   if (power_ && drivers_enabled()) {
     enabled_states_ += length;
     for (std::size_t j = 0; j < KZ_JOINTS; ++j)
-      duty_states_[j] += signed_counts(pins_, wiring[j]) * length;
+      duty_states_[j] += signed_counts(pins_, kWiring[j]) * length;
   }
   integrated_to_ = until;
 }

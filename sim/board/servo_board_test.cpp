@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "shared/base/angle.hpp"
 
 namespace kaz::sim {
 namespace {
 
-constexpr double deg = std::numbers::pi / 180.0;
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 // Changes its pins at given times and lets the test use its converter.
 class ScriptedMcu final : public Mcu {
@@ -28,8 +28,8 @@ class ScriptedMcu final : public Mcu {
     return {};
   }
   void reset() override { pins_ = {}; }
-  std::array<std::uint8_t, memory_size> memory() const override { return {}; }
-  void set_memory(std::span<const std::uint8_t, memory_size>) override {}
+  std::array<std::uint8_t, kMemorySize> memory() const override { return {}; }
+  void set_memory(std::span<const std::uint8_t, kMemorySize>) override {}
   void power_cycle() override {
     pins_ = {};
     ++power_cycles;
@@ -83,10 +83,10 @@ TEST(Multiplexers, PutEachPotentiometerWhereTheWiringSays) {
   Bench bench;
   std::array<double, KZ_JOINTS> angles{};
   // Sign, centre and place of these four are from joints.def; 19 degrees are a tenth of the range.
-  angles[1] = (15.0 + 19.0) * deg;    // neck_tilt: mux 0 input 1, sign +1, centre 15
-  angles[5] = (-25.0 - 38.0) * deg;   // l_hand: mux 0 input 5, sign +1, centre -25
-  angles[6] = (-50.0 + 19.0) * deg;   // r_sh_pitch: mux 1 input 0, sign -1, centre -50
-  angles[17] = (-10.0 - 57.0) * deg;  // r_ankle_pitch: mux 2 input 5, sign -1, centre -10
+  angles[1] = (15.0 + 19.0) * kDegree;    // neck_tilt: mux 0 input 1, sign +1, centre 15
+  angles[5] = (-25.0 - 38.0) * kDegree;   // l_hand: mux 0 input 5, sign +1, centre -25
+  angles[6] = (-50.0 + 19.0) * kDegree;   // r_sh_pitch: mux 1 input 0, sign -1, centre -50
+  angles[17] = (-10.0 - 57.0) * kDegree;  // r_ankle_pitch: mux 2 input 5, sign -1, centre -10
   bench.board.set_joint_angles(angles);
   EXPECT_NEAR(bench.read(0, 1), 0.6, 1e-12);
   EXPECT_NEAR(bench.read(0, 5), 0.3, 1e-12);
@@ -108,11 +108,11 @@ TEST(Multiplexers, PutSupplyReferenceAndTemperatureOnTheSpareInputs) {
 
 TEST(Noise, DependsOnSeedTickAndInputAlone) {
   Bench a(nominal(1)), b(nominal(1)), other(nominal(2));
-  b.read(0, 3, 5 * ms);  // repeated reads return the same
-  EXPECT_EQ(a.read(0, 0, 7 * ms), b.read(0, 0, 7 * ms + 900));
-  EXPECT_NE(a.read(0, 0, 7 * ms), other.read(0, 0, 7 * ms));
-  EXPECT_NE(a.read(0, 0, 7 * ms), a.read(0, 0, 8 * ms));
-  EXPECT_NE(a.read(0, 0, 7 * ms) - 0.5, a.read(1, 4, 7 * ms) - 0.5);
+  b.read(0, 3, 5 * kMs);  // repeated reads return the same
+  EXPECT_EQ(a.read(0, 0, 7 * kMs), b.read(0, 0, 7 * kMs + 900));
+  EXPECT_NE(a.read(0, 0, 7 * kMs), other.read(0, 0, 7 * kMs));
+  EXPECT_NE(a.read(0, 0, 7 * kMs), a.read(0, 0, 8 * kMs));
+  EXPECT_NE(a.read(0, 0, 7 * kMs) - 0.5, a.read(1, 4, 7 * kMs) - 0.5);
 }
 
 // One sigma at an input whose value is known, in codes.
@@ -120,7 +120,7 @@ double sigma_codes(Bench& bench, int mux, int input, double ratio) {
   double squares = 0;
   constexpr int count = 20000;
   for (int t = 0; t < count; ++t)
-    squares += std::pow((bench.read(mux, input, t * ms) - ratio) * 1024, 2);
+    squares += std::pow((bench.read(mux, input, t * kMs) - ratio) * 1024, 2);
   return std::sqrt(squares / count);
 }
 
@@ -140,9 +140,9 @@ TEST(Noise, IsWhite) {
   double in_time = 0, across = 0;
   constexpr int count = 20000;
   for (int t = 0; t < count; ++t) {
-    const double x = 2048 * (bench.read(0, 0, t * ms) - 0.5);
-    in_time += x * 2048 * (bench.read(0, 0, (t + 1) * ms) - 0.5);
-    across += x * 2048 * (bench.read(2, 2, t * ms) - 0.5);
+    const double x = 2048 * (bench.read(0, 0, t * kMs) - 0.5);
+    in_time += x * 2048 * (bench.read(0, 0, (t + 1) * kMs) - 0.5);
+    across += x * 2048 * (bench.read(2, 2, t * kMs) - 0.5);
   }
   EXPECT_NEAR(in_time / count, 0, 5 / std::sqrt(count));
   EXPECT_NEAR(across / count, 0, 5 / std::sqrt(count));
@@ -162,7 +162,7 @@ TEST(Noise, EachSensorHasItsSwitch) {
     options.sensors.*one.member = false;
     Bench bench(options);
     for (const auto& input : cases) {
-      const double read = bench.read(input.mux, input.input, 3 * ms);
+      const double read = bench.read(input.mux, input.input, 3 * kMs);
       if (&input == &one) {
         EXPECT_DOUBLE_EQ(read, input.exact);
       } else {
@@ -188,10 +188,10 @@ TEST(DriverTemperature, IsTheSameInManySteps) {
   Bench once(nominal()), often(nominal());
   for (Bench* bench : {&once, &often}) bench->board.set_motor_current(5);
   for (int i = 1; i <= 1000; ++i) {
-    ASSERT_TRUE(often.board.run_until(i * ms));
+    ASSERT_TRUE(often.board.run_until(i * kMs));
     often.board.set_motor_current(5);
   }
-  ASSERT_TRUE(once.board.run_until(1000 * ms));
+  ASSERT_TRUE(once.board.run_until(1000 * kMs));
   once.board.set_motor_current(5);
   EXPECT_NEAR(once.board.driver_celsius(), often.board.driver_celsius(), 1e-9);
 }
@@ -203,8 +203,8 @@ TEST(ImuOption, StandsOnAn3ToAn5AndGroundWithoutIt) {
   options.imu = true;
   Bench with(options);
   for (Bench* bench : {&without, &with}) {
-    ASSERT_TRUE(bench->board.run_until(ms));
-    bench->board.set_motion({.yaw_rate = 50 * deg, .forward_force = 0, .left_force = 9.80665});
+    ASSERT_TRUE(bench->board.run_until(kMs));
+    bench->board.set_motion({.yaw_rate = 50 * kDegree, .forward_force = 0, .left_force = 9.80665});
   }
   EXPECT_NEAR(with.read(3, 0), 0.55, 1e-12);
   EXPECT_NEAR(with.read(4, 0), 0.5, 1e-12);
@@ -230,8 +230,8 @@ TEST(Drives, AreIntegratedOverChangesWithinTheStep) {
   first.p6 = 0x02;     // forward
   PinLevels second = first;
   second.p3 = 0x00;
-  bench.mcu->script = {{0, first}, {ms * 3 / 4, second}};
-  ASSERT_TRUE(bench.board.run_until(ms));
+  bench.mcu->script = {{0, first}, {kMs * 3 / 4, second}};
+  ASSERT_TRUE(bench.board.run_until(kMs));
   auto drives = bench.board.take_drives();
   EXPECT_NEAR(drives[0].duty, 0.5 * 0.75 - 0.5 * 0.25, 1e-12);
   EXPECT_NEAR(drives[6].duty, 0.25, 1e-12);
@@ -239,7 +239,7 @@ TEST(Drives, AreIntegratedOverChangesWithinTheStep) {
   EXPECT_EQ(drives[1].duty, 0.0);
   for (const MeanDrive& drive : drives) EXPECT_TRUE(drive.powered);
 
-  ASSERT_TRUE(bench.board.run_until(2 * ms));
+  ASSERT_TRUE(bench.board.run_until(2 * kMs));
   drives = bench.board.take_drives();
   EXPECT_NEAR(drives[0].duty, -0.5, 1e-12);
 }
@@ -251,12 +251,12 @@ TEST(Drives, AreOffWhileTheDriversAre) {
   off.p3 = 0x01;
   PinLevels on = off;
   on.p4 = KZ_P4_ENABLE;
-  bench.mcu->script = {{0, off}, {ms + ms / 4, on}};
-  ASSERT_TRUE(bench.board.run_until(ms));
+  bench.mcu->script = {{0, off}, {kMs + kMs / 4, on}};
+  ASSERT_TRUE(bench.board.run_until(kMs));
   auto drives = bench.board.take_drives();
   EXPECT_EQ(drives[0].duty, 0.0);
   EXPECT_FALSE(drives[0].powered);
-  ASSERT_TRUE(bench.board.run_until(2 * ms));
+  ASSERT_TRUE(bench.board.run_until(2 * kMs));
   drives = bench.board.take_drives();
   EXPECT_NEAR(drives[0].duty, 0.75 * 255 / 256, 1e-12);
   EXPECT_TRUE(drives[0].powered);
@@ -270,7 +270,7 @@ TEST(Drives, SelectsDoNotMatter) {
     pins.p4 = static_cast<std::uint8_t>(KZ_P4_ENABLE | i);
     bench.mcu->script.emplace_back(i * 1000, pins);
   }
-  ASSERT_TRUE(bench.board.run_until(ms));
+  ASSERT_TRUE(bench.board.run_until(kMs));
   EXPECT_NEAR(bench.board.take_drives()[0].duty, -100.0 / 256, 1e-12);
   EXPECT_EQ(bench.board.pins().p4, KZ_P4_ENABLE | 7);
 }
@@ -280,28 +280,28 @@ TEST(Power, OffStopsMotorsChipAndLineButNotTime) {
   PinLevels pins = enabled();
   pins.pw[0] = 255;
   bench.mcu->script = {{0, pins}};
-  ASSERT_TRUE(bench.board.run_until(ms));
+  ASSERT_TRUE(bench.board.run_until(kMs));
   bench.board.take_drives();
 
   bench.board.set_power(false);
   EXPECT_EQ(bench.board.supply_volts(), 0.0);
   EXPECT_FALSE(bench.board.drivers_enabled());
-  bench.board.receive({0x55, ms + 1600, false});
-  ASSERT_TRUE(bench.board.run_until(11 * ms));
-  EXPECT_EQ(bench.board.now(), 11 * ms);
-  EXPECT_EQ(bench.mcu->now(), ms);
+  bench.board.receive({0x55, kMs + 1600, false});
+  ASSERT_TRUE(bench.board.run_until(11 * kMs));
+  EXPECT_EQ(bench.board.now(), 11 * kMs);
+  EXPECT_EQ(bench.mcu->now(), kMs);
   EXPECT_TRUE(bench.mcu->received.empty());
   EXPECT_FALSE(bench.board.take_drives()[0].powered);
 
   bench.board.set_power(true);
   EXPECT_EQ(bench.mcu->power_cycles, 1);
   // The chip's clock was stopped for 10 ms; the line's times are shifted.
-  bench.board.receive({0x55, 11 * ms + 1600, false});
+  bench.board.receive({0x55, 11 * kMs + 1600, false});
   ASSERT_EQ(bench.mcu->received.size(), 1u);
-  EXPECT_EQ(bench.mcu->received[0].at, ms + 1600);
-  bench.mcu->to_send = {{0xaa, 2 * ms, false}};
-  ASSERT_TRUE(bench.board.run_until(12 * ms));
-  EXPECT_EQ(bench.board.take_transmitted().at(0).at, 12 * ms);
+  EXPECT_EQ(bench.mcu->received[0].at, kMs + 1600);
+  bench.mcu->to_send = {{0xaa, 2 * kMs, false}};
+  ASSERT_TRUE(bench.board.run_until(12 * kMs));
+  EXPECT_EQ(bench.board.take_transmitted().at(0).at, 12 * kMs);
 }
 
 }  // namespace

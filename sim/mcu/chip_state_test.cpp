@@ -6,18 +6,18 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 std::unique_ptr<Mcu> busy_chip() {
   auto made = make_h8(KAZ_FIRMWARE_IMAGE);
   EXPECT_TRUE(made) << made.error().message;
   std::unique_ptr<Mcu> mcu = std::move(*made);
   mcu->set_analog(quiet_board);
-  EXPECT_TRUE(mcu->run_until(100 * ms));
+  EXPECT_TRUE(mcu->run_until(100 * kMs));
   const States sent = send(*mcu, enable_frame(1, 7));
-  EXPECT_TRUE(mcu->run_until(sent + 2 * ms));
+  EXPECT_TRUE(mcu->run_until(sent + 2 * kMs));
   const States requested = send(*mcu, frame_of(KZ_TYPE_joints, 2, {0, 0, 1, 0xff}));
-  EXPECT_TRUE(mcu->run_until(requested + 2 * ms));
+  EXPECT_TRUE(mcu->run_until(requested + 2 * kMs));
   return mcu;
 }
 
@@ -39,8 +39,8 @@ TEST(ChipState, WhateverByteIsChangedItIsRefusedOrRuns) {
   ASSERT_GT(flash.size(), 30'000u);
   const std::size_t modules = state.size() - from.left() + 0x2000;
   ASSERT_LT(modules, state.size());
-  sweep_state(*mcu, state, 0, members, 3, ms);
-  sweep_state(*mcu, state, modules, state.size(), 13, ms);
+  sweep_state(*mcu, state, 0, members, 3, kMs);
+  sweep_state(*mcu, state, modules, state.size(), 13, kMs);
 }
 
 TEST(ChipState, OneThatIsCutOffIsRefused) {
@@ -49,7 +49,7 @@ TEST(ChipState, OneThatIsCutOffIsRefused) {
   for (std::size_t length = 0; length < valid.size(); length += 1500) {
     const std::vector<std::uint8_t> cut(valid.begin(),
                                         valid.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(restore_and_run(*mcu, cut, ms), "") << length;
+    EXPECT_NE(restore_and_run(*mcu, cut, kMs), "") << length;
   }
 }
 

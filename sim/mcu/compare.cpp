@@ -24,9 +24,9 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States line_edge_tolerance = KZ_STATES_PER_BIT / 50;  // 2 % of a bit
-constexpr int longest_start_ms = 2000;                          // from reset to the first tick
-constexpr int max_without_tick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
+constexpr States kLineEdgeTolerance = KZ_STATES_PER_BIT / 50;  // 2 % of a bit
+constexpr int kLongestStart_ms = 2000;                         // from reset to the first tick
+constexpr int kMaxWithoutTick_ms = 1000 * KZ_LOADER_S + 1000;  // the loader waits
 
 // "joint.angle" is an element of the array joint, "receiver.body" an array inside receiver.
 std::string element(const std::string& prefix, const std::string& name, std::size_t index) {
@@ -86,7 +86,7 @@ class Comparison {
   }
 
   Result<CompareReport> run() {
-    int without_tick_ms = -longest_start_ms;
+    int without_tick_ms = -kLongestStart_ms;
     while (report_.ticks < options_.ticks && report_.equal()) {
       if (options_.stop && options_.stop()) {
         report_.stopped = true;
@@ -103,7 +103,7 @@ class Comparison {
       compare_line();
       if (report_.ticks != before) {
         without_tick_ms = 0;
-      } else if (++without_tick_ms > max_without_tick_ms) {
+      } else if (++without_tick_ms > kMaxWithoutTick_ms) {
         return fail(Fault::failed, options_.image_path + " executes no tick (" +
                                        std::to_string(report_.ticks) +
                                        " so far): check that the image is the servo firmware\n" +
@@ -127,9 +127,9 @@ class Comparison {
     if (!report_.equal() || report_.ticks >= options_.ticks) return;
     kz_tick_output output{};
     if (!started_) {
-      const auto found = h8_.global("kz_startup_found", h8_layout::startup_size);
+      const auto found = h8_.global("kz_startup_found", h8_layout::kStartupSize);
       const auto startup =
-          h8_layout::decode_startup(std::span<const std::uint8_t, h8_layout::startup_size>(found));
+          h8_layout::decode_startup(std::span<const std::uint8_t, h8_layout::kStartupSize>(found));
       kz_servo_init(&native_, &startup, &output);
       started_ = true;
     }
@@ -150,7 +150,7 @@ class Comparison {
     if (report_.ticks % options_.state_every == 0 || !report_.equal()) compare_state();
     if (!report_.equal()) {
       report_.tick = record.input.tick;
-      report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::input_size));
+      report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::kInputSize));
     }
   }
 
@@ -207,7 +207,7 @@ class Comparison {
       in_flight_.pop_front();
       if (byte.value != wanted) return differ_on_line("line.byte", wanted, byte.value);
       if (byte.framing_error) return differ_on_line("line.stop_bit", 1, 0);
-      if (byte.edge_deviation > line_edge_tolerance)
+      if (byte.edge_deviation > kLineEdgeTolerance)
         return differ_on_line("line.edge_states", 0, byte.edge_deviation);
       line_since_ = byte.start + KZ_STATES_PER_BYTE;
       ++report_.line_bytes;
@@ -222,7 +222,7 @@ class Comparison {
     if (!report_.equal()) return;
     differ(field, native, h8);
     report_.tick = last_tick_;
-    report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::input_size));
+    report_.input_hex = hex_text(h8_.global("kz_input", h8_layout::kInputSize));
   }
 
   void look_at(const kz_tick_output& output) {

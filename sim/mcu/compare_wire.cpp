@@ -23,25 +23,25 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States tick = KZ_STATES_PER_TICK;
-constexpr std::size_t differences_kept = 5, requests_shown = 6;
-constexpr int fewest_requests = 20;
-constexpr States length = 1000 * tick;
-constexpr States drain = 60 * tick;  // replies to the last requests
+constexpr States kTick = KZ_STATES_PER_TICK;
+constexpr std::size_t kDifferencesKept = 5, kRequestsShown = 6;
+constexpr int kFewestRequests = 20;
+constexpr States kLength = 1000 * kTick;
+constexpr States kDrain = 60 * kTick;  // replies to the last requests
 // Time after a tick became due at which voltages change and pins are compared: neither converter samples
 // then, and both boards have written their pins.
-constexpr States quiet_after = 15000;
+constexpr States kQuietAfter = 15000;
 // Time at which an idle tick selects a supply's multiplexer input, which is visible at the pins.
-constexpr States select_after = 735;
+constexpr States kSelectAfter = 735;
 // A starting board enables its receiver this long before its first tick; from then on each byte extends
 // the start, until the clock runs.
-constexpr States listens_before = 46940 + 700, clock_runs_before = 18000;
+constexpr States kListensBefore = 46940 + 700, kClockRunsBefore = 18000;
 // How far the native board's default start may be from that of the image. The chip spends about 23 states
 // on the CRC of each byte of its application, and a message adds some 500 bytes: with a tick as tolerance the
 // second new message would fail here. Conversations do not depend on it: they run with the measured start.
-constexpr States start_tolerance = 5 * tick;
+constexpr States kStartTolerance = 5 * kTick;
 // Tolerance of an edge relative to its place in the frame: 2 % of a bit.
-constexpr States edge_tolerance = KZ_STATES_PER_BIT / 50;
+constexpr States kEdgeTolerance = KZ_STATES_PER_BIT / 50;
 
 struct WireByte {
   std::uint8_t value = 0;
@@ -133,8 +133,8 @@ class Boards {
     h8_.power_cycle();
     selected_at_ = 0;
     grid_.reset();
-    while (!grid_ && h8_.now() - from < 2000 * tick) {
-      KAZ_TRY(h8_.run_until(h8_.now() + tick));
+    while (!grid_ && h8_.now() - from < 2000 * kTick) {
+      KAZ_TRY(h8_.run_until(h8_.now() + kTick));
     }
     if (!grid_)
       return fail(
@@ -171,7 +171,7 @@ class Boards {
     h8_.set_memory(blank_);
     h8_.power_cycle();
     begun_at_ = h8_.now();
-    ends_at_ = begun_at_ + length + drain;
+    ends_at_ = begun_at_ + kLength + kDrain;
     lag_ = native_->now() - begun_at_;
     from_h8_.clear();
     from_native_.clear();
@@ -190,13 +190,13 @@ class Boards {
     reported_.clear();
     selected_at_ = 0;
     grid_.reset();
-    closed_from_ = at + start_states_ - listens_before;
-    closed_until_ = at + start_states_ - clock_runs_before;
+    closed_from_ = at + start_states_ - kListensBefore;
+    closed_until_ = at + start_states_ - kClockRunsBefore;
     if (nothing_stored()) {
       grid_ = at + start_states_;
     } else {
       // The duration of the start depends on what is stored: nothing is sent until ticks are detected.
-      closed_until_ = at + length;
+      closed_until_ = at + kLength;
     }
   }
 
@@ -212,7 +212,7 @@ class Boards {
     const unsigned input = channel < KZ_MUXES ? static_cast<unsigned>(channel) * KZ_MUX_INPUTS +
                                                     (levels.p4 & KZ_P4_MUX_MASK)
                                               : inertial[channel - KZ_MUXES];
-    return voltages_->ratio(input, slice_ * tick);
+    return voltages_->ratio(input, slice_ * kTick);
   }
 
   // Ticks are detected by the multiplexer inputs of the supplies, which each tick selects first.
@@ -222,18 +222,18 @@ class Boards {
     select_ = select;
     if (select < KZ_MUX_INPUTS - 2) return;
     constexpr States jitter = 64;
-    if (!grid_ && selected_at_ != 0 && std::abs(at - selected_at_ - tick) < jitter) {
-      grid_ = selected_at_ - select_after;
+    if (!grid_ && selected_at_ != 0 && std::abs(at - selected_at_ - kTick) < jitter) {
+      grid_ = selected_at_ - kSelectAfter;
       closed_until_ = at;
     }
     selected_at_ = at;
   }
 
   States next_quiet(States after) const {
-    const States origin = grid_.value_or(begun_at_) + quiet_after;
-    States since = (after - origin) % tick;
-    if (since < 0) since += tick;
-    return after - since + tick;
+    const States origin = grid_.value_or(begun_at_) + kQuietAfter;
+    States since = (after - origin) % kTick;
+    if (since < 0) since += kTick;
+    return after - since + kTick;
   }
 
   Result<void> step() {
@@ -256,9 +256,9 @@ class Boards {
     }
     const States to = next_quiet(from);
     const auto grid = grid_;
-    if (from - begun_at_ >= length) {
-      if (host_->requests() < fewest_requests)
-        ends_at_ = from + drain;
+    if (from - begun_at_ >= kLength) {
+      if (host_->requests() < kFewestRequests)
+        ends_at_ = from + kDrain;
       else
         host_->finish();
     }
@@ -297,7 +297,7 @@ class Boards {
     if (!h8_reset_ && !native_reset_) return;
     if (h8_reset_ && native_reset_) {
       const States lag = *native_reset_ - lag_ - *h8_reset_;
-      if (std::abs(lag) > tick)
+      if (std::abs(lag) > kTick)
         differ(*h8_reset_, "the boards restart " + std::to_string(lag) + " states apart", "", "");
       report_.largest_reset_lag = std::max(report_.largest_reset_lag, std::abs(lag));
       lag_ += lag;
@@ -309,7 +309,7 @@ class Boards {
       return;
     }
     const States at = h8_reset_ ? *h8_reset_ : *native_reset_ - lag_;
-    if (h8_.now() - at > 2 * tick)
+    if (h8_.now() - at > 2 * kTick)
       differ(at, std::string("only ") + (h8_reset_ ? "h8" : "native") + " restarts", "", "");
   }
 
@@ -332,7 +332,7 @@ class Boards {
   }
 
   void check_waveform(const DecodedByte& decoded, const SerialByte& reported) {
-    if (decoded.framing_error || decoded.edge_deviation > edge_tolerance)
+    if (decoded.framing_error || decoded.edge_deviation > kEdgeTolerance)
       return differ(decoded.start,
                     "TxD0 violates 115,200 baud, 8N1: an edge is " +
                         std::to_string(decoded.edge_deviation) + " states off" +
@@ -364,7 +364,7 @@ class Boards {
     if (differed_) return;
     const auto theirs = frames_of(from_h8_, cuts_), ours = frames_of(from_native_, cuts_);
     // A reply that begins at the very end may be on one board only.
-    const States last = h8_.now() - 2 * tick - KZ_FRAME_MAX * KZ_STATES_PER_BYTE;
+    const States last = h8_.now() - 2 * kTick - KZ_FRAME_MAX * KZ_STATES_PER_BYTE;
     for (std::size_t i = 0; i < std::max(theirs.size(), ours.size()); ++i) {
       const bool h8_has = i < theirs.size(), native_has = i < ours.size();
       const States at = h8_has ? theirs[i].start : ours[i].start;
@@ -381,7 +381,7 @@ class Boards {
       }
       const States lag = std::abs(theirs[i].start - ours[i].start);
       report_.largest_lag = std::max(report_.largest_lag, lag);
-      if (lag > tick)
+      if (lag > kTick)
         return differ(at, "a reply begins " + std::to_string(lag) + " states apart",
                       text_of(theirs[i]), text_of(ours[i]));
       ++report_.replies;
@@ -422,7 +422,7 @@ class Boards {
       --byte;
       if (since - byte->start > no_pause) break;
     }
-    return start - since >= tick;
+    return start - since >= kTick;
   }
 
   // Whether only the replies' ticks differ, by one.
@@ -447,10 +447,10 @@ class Boards {
     differed_ = true;
     ++report_.different;
     ends_at_ = h8_.now();  // later differences are consequences
-    if (report_.differences.size() >= differences_kept) return;
+    if (report_.differences.size() >= kDifferencesKept) return;
     WireDifference difference;
     difference.conversation = number_;
-    difference.ms = static_cast<double>(at - begun_at_) / static_cast<double>(tick);
+    difference.ms = static_cast<double>(at - begun_at_) / static_cast<double>(kTick);
     difference.what = std::move(what);
     difference.h8 = std::move(h8);
     difference.native = std::move(native);
@@ -459,10 +459,10 @@ class Boards {
       if (sent.at > at) break;
       char line[96];
       std::snprintf(line, sizeof line, "%s at %.2f ms", sent.text.c_str(),
-                    static_cast<double>(sent.at - begun_at_) / static_cast<double>(tick));
+                    static_cast<double>(sent.at - begun_at_) / static_cast<double>(kTick));
       lines.emplace_back(line);
     }
-    const std::size_t from = lines.size() - std::min(lines.size(), requests_shown);
+    const std::size_t from = lines.size() - std::min(lines.size(), kRequestsShown);
     for (std::size_t i = from; i < lines.size(); ++i) {
       if (i != from) difference.requests += ", ";
       difference.requests += lines[i];
@@ -483,7 +483,7 @@ class Boards {
   H8Mcu& h8_;
   TxdWatch txd_;
   WireReport& report_;
-  std::array<std::uint8_t, Mcu::memory_size> blank_{};
+  std::array<std::uint8_t, Mcu::kMemorySize> blank_{};
   std::unique_ptr<Mcu> native_;
   std::optional<WireHost> host_;
   std::optional<RandomAnalog> voltages_;
@@ -520,7 +520,7 @@ std::string WireReport::text() const {
         "no difference in %s: the host sent %lld requests, at least %lld in each conversation; "
         "each board sent %lld frames (%lld bytes)",
         counted(conversations, "conversation").c_str(), static_cast<long long>(requests),
-        static_cast<long long>(fewest_requests), static_cast<long long>(replies),
+        static_cast<long long>(kFewestRequests), static_cast<long long>(replies),
         static_cast<long long>(bytes));
   } else {
     std::snprintf(line, sizeof line, "%lld of %s differ (seed %llu)",
@@ -561,7 +561,7 @@ std::string WireReport::text() const {
                 "\n  from power-on to the first tick: h8 %lld states, native %lld; %s equal except "
                 "for fields that differ by design",
                 static_cast<long long>(h8_start),
-                static_cast<long long>(NativeOptions::default_start_states),
+                static_cast<long long>(NativeOptions::kDefaultStartStates),
                 counted(masked, "frame").c_str());
   text += line;
   text += "\n  sent:";
@@ -591,13 +591,13 @@ Result<WireReport> compare_wire(const WireOptions& options) {
   Boards boards(options, *h8, report);
   const auto start = KAZ_TRY(boards.start_time());
   report.h8_start = start;
-  if (std::abs(start - NativeOptions::default_start_states) > start_tolerance) {
+  if (std::abs(start - NativeOptions::kDefaultStartStates) > kStartTolerance) {
     ++report.different;
     report.differences.push_back(
         {0, 0,
          "h8 and the native board need different times to start. If the firmware has changed, set "
-         "NativeOptions::default_start_states (sim/mcu/native_mcu.h) to the start-up time of h8",
-         std::to_string(start), std::to_string(NativeOptions::default_start_states), ""});
+         "NativeOptions::kDefaultStartStates (sim/mcu/native_mcu.h) to the start-up time of h8",
+         std::to_string(start), std::to_string(NativeOptions::kDefaultStartStates), ""});
     return report;
   }
   for (std::int64_t i = 0; i < options.conversations; ++i) {

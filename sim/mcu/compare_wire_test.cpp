@@ -23,8 +23,8 @@ class Altered : public Mcu {
   Result<void> run_until(States until) override { return board_->run_until(until); }
   void reset() override { board_->reset(); }
   void power_cycle() override { board_->power_cycle(); }
-  std::array<std::uint8_t, memory_size> memory() const override { return board_->memory(); }
-  void set_memory(std::span<const std::uint8_t, memory_size> bytes) override {
+  std::array<std::uint8_t, kMemorySize> memory() const override { return board_->memory(); }
+  void set_memory(std::span<const std::uint8_t, kMemorySize> bytes) override {
     board_->set_memory(bytes);
   }
   const PinLevels& pins() const override {

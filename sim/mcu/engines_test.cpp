@@ -21,12 +21,12 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 std::unique_ptr<Mcu> started(Result<std::unique_ptr<Mcu>> mcu) {
   EXPECT_TRUE(mcu) << mcu.error().message;
   (*mcu)->set_analog(quiet_board);
-  EXPECT_TRUE((*mcu)->run_until(100 * ms));
+  EXPECT_TRUE((*mcu)->run_until(100 * kMs));
   return std::move(*mcu);
 }
 
@@ -40,12 +40,12 @@ std::unique_ptr<Mcu> native() {
 // Motor pins after the same requests, without multiplexer selects.
 PinLevels after_requests(Mcu& mcu) {
   send(mcu, enable_frame(1, 0x3ffff));
-  EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * ms));
+  EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * kMs));
   for (int j = 0; j < KZ_JOINTS; ++j) {
     send(mcu, target_frame(static_cast<std::uint8_t>(2 + j), j, 100 * (j % 3)));
-    EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * ms));
+    EXPECT_TRUE(mcu.run_until(mcu.now() + 10 * kMs));
   }
-  EXPECT_TRUE(mcu.run_until(mcu.now() + 80 * ms));
+  EXPECT_TRUE(mcu.run_until(mcu.now() + 80 * kMs));
   PinLevels pins = mcu.pins();
   pins.p4 &= static_cast<std::uint8_t>(~KZ_P4_MUX_MASK);
   return pins;
@@ -66,7 +66,7 @@ TEST(Engines, PinsAgree) {
 TEST(Engines, BytesTakeTheSameTime) {
   for (const auto& mcu : {h8(), native()}) {
     send(*mcu, frame_of(KZ_TYPE_state, 7, {}));
-    ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+    ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * kMs));
     const auto bytes = mcu->take_transmitted();
     ASSERT_EQ(bytes.size(), 53u) << mcu->name();
     for (std::size_t i = 1; i < bytes.size(); ++i)
@@ -82,11 +82,11 @@ TEST(Engines, BytesTakeTheSameTime) {
 void run_into_tick(Mcu& mcu, States states) {
   mcu.take_transmitted();
   send(mcu, frame_of(KZ_TYPE_state, 99, {}));
-  ASSERT_TRUE(mcu.run_until(mcu.now() + 20 * ms));
+  ASSERT_TRUE(mcu.run_until(mcu.now() + 20 * kMs));
   const auto bytes = mcu.take_transmitted();
   ASSERT_FALSE(bytes.empty()) << mcu.name();
   const States tick = bytes.front().at - KZ_STATES_PER_BYTE - 445;
-  ASSERT_TRUE(mcu.run_until(tick + 20 * ms + states));
+  ASSERT_TRUE(mcu.run_until(tick + 20 * kMs + states));
 }
 
 // Inputs of each tick: bytes received, and room in the transmit ring, of which the channel holds two. Ticks
@@ -94,7 +94,7 @@ void run_into_tick(Mcu& mcu, States states) {
 TEST(Engines, RingsAgree) {
   // A tick reads its ring 650 states after it became due. Requests begin so that this is midway between the
   // ends of their 4th and 5th byte, so both boards divide each request between the same two ticks.
-  constexpr States request_at = ms + 650 - KZ_STATES_PER_BYTE / 2 - 4 * KZ_STATES_PER_BYTE;
+  constexpr States request_at = kMs + 650 - KZ_STATES_PER_BYTE / 2 - 4 * KZ_STATES_PER_BYTE;
   std::vector<std::vector<std::array<int, 3>>> seen;
   for (const auto& mcu : {h8(), native()}) {
     ASSERT_NO_FATAL_FAILURE(run_into_tick(*mcu, request_at));
@@ -108,7 +108,7 @@ TEST(Engines, RingsAgree) {
     const States begin = mcu->now();
     for (std::uint8_t number = 0; number < 5; ++number) {
       send(*mcu, frame_of(KZ_TYPE_calibration, number, {}));
-      ASSERT_TRUE(mcu->run_until(begin + (number + 1) * 12 * ms));
+      ASSERT_TRUE(mcu->run_until(begin + (number + 1) * 12 * kMs));
     }
     mcu->on_tick(nullptr);
     ASSERT_GE(ticks.size(), 60u) << mcu->name();
@@ -129,7 +129,7 @@ TEST(Engines, SampleEveryInputWithItsSelect) {
     });
     kz_tick_input last{};
     mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
-    ASSERT_TRUE(mcu->run_until(mcu->now() + 5 * ms));
+    ASSERT_TRUE(mcu->run_until(mcu->now() + 5 * kMs));
     for (unsigned i = 0; i < KZ_ANALOG; ++i) {
       const unsigned code = i == KZ_ANALOG_YAW_RATE        ? 903
                             : i == KZ_ANALOG_FORWARD_FORCE ? 904
@@ -149,22 +149,22 @@ TEST(Engines, MotorsAreOffFromPowerOnUntilEnabled) {
   (*mcu)->on_pins([&enabled](States, const PinLevels& pins) {
     enabled = enabled || (pins.p4 & KZ_P4_ENABLE) != 0;
   });
-  ASSERT_TRUE((*mcu)->run_until(500 * ms));
+  ASSERT_TRUE((*mcu)->run_until(500 * kMs));
   EXPECT_FALSE(enabled);
 }
 
 TEST(Engines, PowerCycleStartsAnewAtTheSameTime) {
   auto mcu = h8();
   send(*mcu, enable_frame(1, 1));
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * kMs));
   ASSERT_TRUE(mcu->pins().p4 & KZ_P4_ENABLE);
   const States before = mcu->now();
   mcu->power_cycle();
   EXPECT_EQ(mcu->now(), before);
   EXPECT_FALSE(mcu->pins().p4 & KZ_P4_ENABLE);
-  ASSERT_TRUE(mcu->run_until(before + 100 * ms));
+  ASSERT_TRUE(mcu->run_until(before + 100 * kMs));
   send(*mcu, frame_of(KZ_TYPE_state, 1, {}));
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * kMs));
   const auto bytes = mcu->take_transmitted();
   ASSERT_FALSE(bytes.empty());
   EXPECT_GT(bytes.front().at, before);
@@ -267,8 +267,8 @@ TEST(Compare, RefusesAnImageOfOtherSourcesBeforeTheFirstTick) {
   wire.prepare_h8 = plant_other_header;
   const auto ticks = compare_engines(options);
   const auto conversations = compare_wire(wire);
-  for (const Error* error : {ticks ? nullptr : &ticks.error(),
-                             conversations ? nullptr : &conversations.error()}) {
+  for (const Error* error :
+       {ticks ? nullptr : &ticks.error(), conversations ? nullptr : &conversations.error()}) {
     ASSERT_NE(error, nullptr) << "it was compared";
     EXPECT_EQ(error->fault, Fault::usage);
     for (const std::string& part :

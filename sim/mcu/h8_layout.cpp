@@ -37,7 +37,7 @@ std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::s
   return value;
 }
 
-kz_startup decode_startup(std::span<const std::uint8_t, startup_size> bytes) {
+kz_startup decode_startup(std::span<const std::uint8_t, kStartupSize> bytes) {
   Reader reader(bytes);
   kz_startup startup{};
   reader.read(startup.image_crc);
@@ -53,7 +53,7 @@ kz_startup decode_startup(std::span<const std::uint8_t, startup_size> bytes) {
   return startup;
 }
 
-kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes) {
+kz_tick_input decode_input(std::span<const std::uint8_t, kInputSize> bytes) {
   Reader reader(bytes);
   kz_tick_input input{};
   reader.read(input.tick);
@@ -72,7 +72,7 @@ kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes) {
   return input;
 }
 
-kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes) {
+kz_tick_output decode_output(std::span<const std::uint8_t, kOutputSize> bytes) {
   Reader reader(bytes);
   kz_tick_output output{};
   reader.read(output.pw);

@@ -13,13 +13,13 @@
 
 namespace kaz::sim::h8_layout {
 
-inline constexpr std::size_t input_size = 4 + 4 * 2 + 2 * KZ_ANALOG + 5 + 2 * KZ_RX_PER_TICK + 1;
-inline constexpr std::size_t startup_size = 2 * 2 + 6 + 2 * 2 * KZ_JOINTS;
-inline constexpr std::size_t output_size = 16 + 2 + 4 + 2 + KZ_TX_PER_TICK;
+inline constexpr std::size_t kInputSize = 4 + 4 * 2 + 2 * KZ_ANALOG + 5 + 2 * KZ_RX_PER_TICK + 1;
+inline constexpr std::size_t kStartupSize = 2 * 2 + 6 + 2 * 2 * KZ_JOINTS;
+inline constexpr std::size_t kOutputSize = 16 + 2 + 4 + 2 + KZ_TX_PER_TICK;
 
-kz_startup decode_startup(std::span<const std::uint8_t, startup_size> bytes);
-kz_tick_input decode_input(std::span<const std::uint8_t, input_size> bytes);
-kz_tick_output decode_output(std::span<const std::uint8_t, output_size> bytes);
+kz_startup decode_startup(std::span<const std::uint8_t, kStartupSize> bytes);
+kz_tick_input decode_input(std::span<const std::uint8_t, kInputSize> bytes);
+kz_tick_output decode_output(std::span<const std::uint8_t, kOutputSize> bytes);
 
 // Returns the big-endian number of `size` bytes (1, 2 or 4) at offset `at`.
 std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size);

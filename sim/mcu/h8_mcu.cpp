@@ -13,9 +13,9 @@ namespace kaz::sim {
 namespace {
 
 // Levels of the board's pull resistors at pins that the chip does not drive (mcu.h).
-constexpr PinLevels pulled{};
+constexpr PinLevels kPulled{};
 
-constexpr std::uint32_t memory_at = 0x400;  // EB1
+constexpr std::uint32_t kMemoryAt = 0x400;    // EB1
 constexpr States kMaxTime = States{1} << 50;  // of a saved state: two years
 
 std::uint8_t level_of(h8s::PortOutput out, std::uint8_t pull) {
@@ -61,9 +61,9 @@ void H8Mcu::connect() {
   using h8s::Port;
   // Pull-ups of the multiplexer selects, pull-downs of everything that could start a motor.
   for (int bit = 0; bit < 8; ++bit) {
-    chip_.set_input(Port::p3, bit, (pulled.p3 >> bit & 1) != 0);
-    chip_.set_input(Port::p4, bit, (pulled.p4 >> bit & 1) != 0);
-    chip_.set_input(Port::p6, bit, (pulled.p6 >> bit & 1) != 0);
+    chip_.set_input(Port::p3, bit, (kPulled.p3 >> bit & 1) != 0);
+    chip_.set_input(Port::p4, bit, (kPulled.p4 >> bit & 1) != 0);
+    chip_.set_input(Port::p6, bit, (kPulled.p6 >> bit & 1) != 0);
   }
   chip_.on_output([this](const h8s::OutputChange& change) { output_changed(change); });
   chip_.on_transmit([this](int sci, const h8s::TransmittedByte& byte) {
@@ -124,14 +124,14 @@ void H8Mcu::power_cycle() {
   if (on_pins_) on_pins_(now(), pins_);
 }
 
-std::array<std::uint8_t, Mcu::memory_size> H8Mcu::memory() const {
-  std::array<std::uint8_t, memory_size> bytes{};
-  chip_.peek(memory_at, bytes);  // cannot fail: it is flash
+std::array<std::uint8_t, Mcu::kMemorySize> H8Mcu::memory() const {
+  std::array<std::uint8_t, kMemorySize> bytes{};
+  chip_.peek(kMemoryAt, bytes);  // cannot fail: it is flash
   return bytes;
 }
 
-void H8Mcu::set_memory(std::span<const std::uint8_t, memory_size> bytes) {
-  chip_.poke(memory_at, bytes);
+void H8Mcu::set_memory(std::span<const std::uint8_t, kMemorySize> bytes) {
+  chip_.poke(kMemoryAt, bytes);
 }
 
 void H8Mcu::save(StateWriter& to) {
@@ -219,8 +219,8 @@ void H8Mcu::on_tick(std::function<void(const TickRecord&)> listener) {
 }
 
 void H8Mcu::tick_ended() {
-  std::array<std::uint8_t, h8_layout::input_size> input{};
-  std::array<std::uint8_t, h8_layout::output_size> output{};
+  std::array<std::uint8_t, h8_layout::kInputSize> input{};
+  std::array<std::uint8_t, h8_layout::kOutputSize> output{};
   if (!chip_.peek(symbols_->input, input) || !chip_.peek(symbols_->output, output)) return;
   on_tick_({h8_layout::decode_input(input), h8_layout::decode_output(output)});
 }
@@ -271,18 +271,18 @@ void H8Mcu::read_port(h8s::Port port) {
       for (int bit = 0; bit < 8; ++bit) read_pwm(port == h8s::Port::p1 ? bit : 8 + bit);
       break;
     case h8s::Port::p3:
-      pins_.p3 = level_of(out, pulled.p3);
+      pins_.p3 = level_of(out, kPulled.p3);
       break;
     case h8s::Port::p4:
-      pins_.p4 = level_of(out, pulled.p4);
+      pins_.p4 = level_of(out, kPulled.p4);
       break;
     case h8s::Port::p5:
       // P50 and P51 are the serial line, which mcu.h gives its own functions.
-      pins_.p5 = static_cast<std::uint8_t>(level_of(out, pulled.p5) & ~0x03);
+      pins_.p5 = static_cast<std::uint8_t>(level_of(out, kPulled.p5) & ~0x03);
       break;
     case h8s::Port::p6:
       // P64 and P67 are TMO0 and TMO1.
-      pins_.p6 = static_cast<std::uint8_t>(level_of(out, pulled.p6) & ~0x90);
+      pins_.p6 = static_cast<std::uint8_t>(level_of(out, kPulled.p6) & ~0x90);
       for (int timer = 0; timer < 2; ++timer) read_timer(timer);
       break;
     case h8s::Port::p7:

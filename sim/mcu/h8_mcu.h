@@ -36,8 +36,8 @@ class H8Mcu final : public Mcu {
   void on_hang(std::function<void(const std::string&)> listener) override {
     on_hang_ = std::move(listener);
   }
-  std::array<std::uint8_t, memory_size> memory() const override;
-  void set_memory(std::span<const std::uint8_t, memory_size> bytes) override;
+  std::array<std::uint8_t, kMemorySize> memory() const override;
+  void set_memory(std::span<const std::uint8_t, kMemorySize> bytes) override;
   const PinLevels& pins() const override { return pins_; }
   void on_pins(std::function<void(States, const PinLevels&)> listener) override;
   void set_analog(AnalogSource source) override;

@@ -12,7 +12,7 @@ namespace kaz::sim {
 namespace {
 
 TEST(H8Layout, InputIsBigEndianInTheOrderOfItsFields) {
-  std::array<std::uint8_t, h8_layout::input_size> bytes{};
+  std::array<std::uint8_t, h8_layout::kInputSize> bytes{};
   EXPECT_EQ(bytes.size(), 98u);  // 4 + 8 + 48 + 5 + 32 + 1
   const std::array<std::uint8_t, 14> head{0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07,
                                           0x08, 0x09, 0x0a, 0x0b, 0x0c, 0x03, 0xff};
@@ -43,7 +43,7 @@ TEST(H8Layout, InputIsBigEndianInTheOrderOfItsFields) {
 }
 
 TEST(H8Layout, OutputIsBytes) {
-  std::array<std::uint8_t, h8_layout::output_size> bytes{};
+  std::array<std::uint8_t, h8_layout::kOutputSize> bytes{};
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i);
   const kz_tick_output output = h8_layout::decode_output(bytes);
   EXPECT_EQ(output.pw[15], 15);

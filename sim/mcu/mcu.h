@@ -92,9 +92,9 @@ class Mcu {
 
   // Non-volatile memory: flash blocks EB1 to EB3, which store calibration and board address
   // (shared/servo/store.h). set_memory() takes effect at the next reset.
-  static constexpr std::size_t memory_size = 3072;
-  virtual std::array<std::uint8_t, memory_size> memory() const = 0;
-  virtual void set_memory(std::span<const std::uint8_t, memory_size> bytes) = 0;
+  static constexpr std::size_t kMemorySize = 3072;
+  virtual std::array<std::uint8_t, kMemorySize> memory() const = 0;
+  virtual void set_memory(std::span<const std::uint8_t, kMemorySize> bytes) = 0;
 
   // Returns the servo's state after the last tick, in the memory layout of this process. Engines other than
   // native return null.

@@ -15,10 +15,10 @@ Result<void> load_memory(Mcu& mcu, const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) return {};
   const auto bytes = KAZ_TRY(read_whole_file(path, 1 << 20, "give the memory file of a board"));
-  std::array<std::uint8_t, Mcu::memory_size> memory{};
+  std::array<std::uint8_t, Mcu::kMemorySize> memory{};
   if (bytes.size() != memory.size())
     return fail(Fault::usage, path + ": the memory of a board must have " +
-                                  std::to_string(Mcu::memory_size) +
+                                  std::to_string(Mcu::kMemorySize) +
                                   " bytes; give another file, or remove it");
   std::ranges::copy(bytes, memory.begin());
   mcu.set_memory(memory);

@@ -23,12 +23,12 @@ class MemoryFile : public testing::Test {
 
 TEST_F(MemoryFile, ComesBackAsItWas) {
   auto mcu = make_native();
-  std::array<std::uint8_t, Mcu::memory_size> bytes{};
+  std::array<std::uint8_t, Mcu::kMemorySize> bytes{};
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256);
   mcu->set_memory(bytes);
   ASSERT_TRUE(save_memory(*mcu, path));
-  EXPECT_EQ(std::filesystem::file_size(path), Mcu::memory_size);
+  EXPECT_EQ(std::filesystem::file_size(path), Mcu::kMemorySize);
   ASSERT_TRUE(save_memory(*mcu, path)) << "it may be there already";
   auto other = make_native();
   ASSERT_TRUE(load_memory(*other, path));
@@ -44,7 +44,7 @@ TEST_F(MemoryFile, AMissingFileIsABlankBoard) {
 
 TEST_F(MemoryFile, SaysWhatIsWrong) {
   auto mcu = make_native();
-  for (const std::size_t size : {std::size_t{0}, Mcu::memory_size - 1, Mcu::memory_size + 1}) {
+  for (const std::size_t size : {std::size_t{0}, Mcu::kMemorySize - 1, Mcu::kMemorySize + 1}) {
     std::ofstream(path, std::ios::binary) << std::string(size, 'x');
     const auto loaded = load_memory(*mcu, path);
     ASSERT_FALSE(loaded) << size;

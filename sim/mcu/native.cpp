@@ -22,34 +22,34 @@ namespace {
 
 // Delays of the firmware measured in the emulator, in states. A tick begins with the entry into the clock's
 // interrupt.
-constexpr States send_after =
+constexpr States kSendAfter =
     445;  // from a tick to the start bit of its first byte on an idle line
-constexpr States tick_after = 650;   // to the read of the receive ring, and with it the computation
-constexpr States room_after = 665;   // to the read of the transmit ring
-constexpr States act_after = 5900;   // to the action that a tick requested, on an idle board
-constexpr States scan_after = 850;   // to the first sample of the converter
-constexpr States scan_first = 1133;  // from the first multiplexer input of a scan to the second
-constexpr States scan_next = 887;    // from each other one to the next
-constexpr States scan_states = 6500;    // a whole scan
-constexpr States convert_states = 266;  // from one of AN0..AN3 to the next
-constexpr States inertial_age = 400;    // AN4 and AN5 at a tick: they are converted all the time
+constexpr States kTickAfter = 650;   // to the read of the receive ring, and with it the computation
+constexpr States kRoomAfter = 665;   // to the read of the transmit ring
+constexpr States kActAfter = 5900;   // to the action that a tick requested, on an idle board
+constexpr States kScanAfter = 850;   // to the first sample of the converter
+constexpr States kScanFirst = 1133;  // from the first multiplexer input of a scan to the second
+constexpr States kScanNext = 887;    // from each other one to the next
+constexpr States kScanStates = 6500;    // a whole scan
+constexpr States kConvertStates = 266;  // from one of AN0..AN3 to the next
+constexpr States kInertialAge = 400;    // AN4 and AN5 at a tick: they are converted all the time
 
 // Before the first tick: SCI0 listens; two scans. A start by watchdog takes longer, and so does one
 // that finds something stored.
-constexpr States listen_before = 46940;
-constexpr States scan_before = 46800;
-constexpr States application_before = 156060;  // the loader has handed over
-constexpr States servo_before = 18500;         // not included in kz_startup.start_8states
-constexpr States watchdog_states = 1000;       // from the request to the reset
-constexpr States stored_line_states = 681;
-constexpr States calibrated_states = 1600;
+constexpr States kListenBefore = 46940;
+constexpr States kScanBefore = 46800;
+constexpr States kApplicationBefore = 156060;  // the loader has handed over
+constexpr States kServoBefore = 18500;         // not included in kz_startup.start_8states
+constexpr States kWatchdogStates = 1000;       // from the request to the reset
+constexpr States kStoredLineStates = 681;
+constexpr States kCalibratedStates = 1600;
 
-constexpr std::size_t transmit_ring = 63;  // capacity, bytes
-constexpr std::size_t receive_max =
+constexpr std::size_t kTransmitRing = 63;  // capacity, bytes
+constexpr std::size_t kReceiveMax =
     48;  // bytes waiting beyond it: the oldest may be lost (firmware/serial.c)
-constexpr int scan_settings = 7;  // a supply's input, then 0..5
-constexpr States never = std::numeric_limits<States>::max() / 2;
-constexpr States max_time = States{1} << 50;  // of a saved state: two years
+constexpr int kScanSettings = 7;  // a supply's input, then 0..5
+constexpr States kNotDue = std::numeric_limits<States>::max() / 2;
+constexpr States kMaxTime = States{1} << 50;  // of a saved state: two years
 
 class NativeMcu final : public Mcu {
  public:
@@ -60,7 +60,7 @@ class NativeMcu final : public Mcu {
 
   Result<void> run_until(States until) override {
     while (true) {
-      const States sample_at = sample_time(), compute_at = tick_at_ + tick_after;
+      const States sample_at = sample_time(), compute_at = tick_at_ + kTickAfter;
       if (std::min({compute_at, sample_at, act_at_}) > until) break;
       if (act_at_ <= std::min(sample_at, compute_at)) {
         now_ = std::max(now_, act_at_);
@@ -82,12 +82,12 @@ class NativeMcu final : public Mcu {
   // The native engine has no RAM that could outlive its servo's state.
   void power_cycle() override { reset(); }
 
-  std::array<std::uint8_t, memory_size> memory() const override {
-    std::array<std::uint8_t, memory_size> bytes{};
+  std::array<std::uint8_t, kMemorySize> memory() const override {
+    std::array<std::uint8_t, kMemorySize> bytes{};
     std::copy(memory_.bytes().begin(), memory_.bytes().end(), bytes.begin());
     return bytes;
   }
-  void set_memory(std::span<const std::uint8_t, memory_size> bytes) override {
+  void set_memory(std::span<const std::uint8_t, kMemorySize> bytes) override {
     memory_.set_bytes(bytes);
   }
 
@@ -137,14 +137,14 @@ class NativeMcu final : public Mcu {
     a.plain(input_);
     a.plain(output_);
     // The first tick makes a servo.
-    a.require((!started_ || is_possible(servo_)) && is_possible(output_) && action_ <= KZ_ACTION_LOADER &&
-                  (supply_input_ | 1) == KZ_ANALOG_REFERENCE && scans_left_ >= 0 &&
-                  scans_left_ <= 2 && setting_ >= 0 &&
-                  setting_ < scan_settings + (scans_left_ == 0 ? 1 : 0),
+    a.require((!started_ || is_possible(servo_)) && is_possible(output_) &&
+                  action_ <= KZ_ACTION_LOADER && (supply_input_ | 1) == KZ_ANALOG_REFERENCE &&
+                  scans_left_ >= 0 && scans_left_ <= 2 && setting_ >= 0 &&
+                  setting_ < kScanSettings + (scans_left_ == 0 ? 1 : 0),
               "servo");
     // What is due has been done, so that nothing has to be caught up with.
     const auto is_due_later = [this](States at) { return at > now_ - KZ_STATES_PER_TICK; };
-    a.require(now_ >= 0 && now_ <= max_time && is_due_later(tick_at_) && is_due_later(act_at_) &&
+    a.require(now_ >= 0 && now_ <= kMaxTime && is_due_later(tick_at_) && is_due_later(act_at_) &&
                   is_due_later(sample_time()) && requested_at_ >= 0 && requested_at_ <= now_,
               "time");
   }
@@ -160,21 +160,21 @@ class NativeMcu final : public Mcu {
     startup_.reset_cause = cause;
     startup_.tests_done = KZ_TEST_RAM | KZ_TEST_FLASH;
     memory_.load(startup_);
-    States stored = memory_.lines() * stored_line_states;
-    if (startup_.calibration != KZ_CALIBRATION_NOMINAL) stored += calibrated_states;
-    startup_.start_8states = static_cast<u16>((application_before - servo_before + stored) / 8);
+    States stored = memory_.lines() * kStoredLineStates;
+    if (startup_.calibration != KZ_CALIBRATION_NOMINAL) stored += kCalibratedStates;
+    startup_.start_8states = static_cast<u16>((kApplicationBefore - kServoBefore + stored) / 8);
     started_ = false;
     servo_ = {};
     output_ = {};
     input_ = {};
     memory_.report(input_);
     released_ = false;
-    act_at_ = never;
+    act_at_ = kNotDue;
     action_ = KZ_ACTION_NONE;
     tick_at_ = now_ + wait + options_.start_states + stored;
-    listens_from_ = tick_at_ - listen_before;
+    listens_from_ = tick_at_ - kListenBefore;
     supply_input_ = KZ_ANALOG_REFERENCE;
-    begin_scans(tick_at_ - scan_before, 2);
+    begin_scans(tick_at_ - kScanBefore, 2);
     received_.clear();
     ring_.clear();
     while (!wire_.empty() && wire_.back().at > now_) wire_.pop_back();
@@ -197,7 +197,7 @@ class NativeMcu final : public Mcu {
     }
 
     show(levels_of(output_));
-    if (!std::exchange(released_, false)) transmit(start + send_after);
+    if (!std::exchange(released_, false)) transmit(start + kSendAfter);
     gather(start);
 
     kz_tick(&servo_, &input_, &output_);
@@ -205,7 +205,7 @@ class NativeMcu final : public Mcu {
     input_.tick += 1;
     input_.missed = 0;
     input_.result = KZ_RESULT_NONE;
-    begin_scans(start + scan_after, 1);
+    begin_scans(start + kScanAfter, 1);
     if (output_.action != KZ_ACTION_NONE) prepare_action(start);
   }
 
@@ -215,14 +215,14 @@ class NativeMcu final : public Mcu {
     phase_ = Phase::requested;
     requested_at_ = start;
     show(levels_of(output_));
-    transmit(start + act_after);
+    transmit(start + kActAfter);
     released_ = true;
-    act_at_ = std::max(wire_free_, start + act_after);
-    tick_at_ = never;
+    act_at_ = std::max(wire_free_, start + kActAfter);
+    tick_at_ = kNotDue;
   }
 
   void act() {
-    act_at_ = never;
+    act_at_ = kNotDue;
     switch (phase_) {
       case Phase::requested:
         return begin_action();
@@ -243,7 +243,7 @@ class NativeMcu final : public Mcu {
     if ((output_.p4 & KZ_P4_ENABLE) != 0) return go_on(false);
     if (action_ == KZ_ACTION_RESET || action_ == KZ_ACTION_LOADER) {
       phase_ = Phase::restarting;
-      act_at_ = now_ + watchdog_states;
+      act_at_ = now_ + kWatchdogStates;
       return;
     }
     if (action_ == KZ_ACTION_STORE_CALIBRATION) {
@@ -284,7 +284,7 @@ class NativeMcu final : public Mcu {
     memory_.report(input_);
     input_.result = done ? KZ_RESULT_DONE : KZ_RESULT_FAILED;
     begin_scans(now_, 2);
-    const States ticks = (now_ + 2 * scan_states - requested_at_) / KZ_STATES_PER_TICK + 1;
+    const States ticks = (now_ + 2 * kScanStates - requested_at_) / KZ_STATES_PER_TICK + 1;
     tick_at_ = requested_at_ + ticks * KZ_STATES_PER_TICK;
     input_.missed = static_cast<u16>(ticks - 1);
     input_.tick += input_.missed;
@@ -314,8 +314,8 @@ class NativeMcu final : public Mcu {
   // The snapshot that the tick computes from. A/D codes are in it already, but for those of the
   // inputs that are converted all the time.
   void gather(States start) {
-    arrive(start + tick_after);
-    if (ring_.size() > receive_max) {
+    arrive(start + kTickAfter);
+    if (ring_.size() > kReceiveMax) {
       ring_.erase(ring_.begin(), ring_.end() - KZ_RX_PER_TICK);
       ring_.front().second |= KZ_RX_LOST;
     }
@@ -327,9 +327,9 @@ class NativeMcu final : public Mcu {
       input_.rx_flags[i] = ring_.front().second;
       ring_.pop_front();
     }
-    input_.tx_room = transmit_room(start + room_after);
-    input_.analog[KZ_ANALOG_FORWARD_FORCE] = code_of(4, now_ - inertial_age);
-    input_.analog[KZ_ANALOG_LEFT_FORCE] = code_of(5, now_ - inertial_age);
+    input_.tx_room = transmit_room(start + kRoomAfter);
+    input_.analog[KZ_ANALOG_FORWARD_FORCE] = code_of(4, now_ - kInertialAge);
+    input_.analog[KZ_ANALOG_LEFT_FORCE] = code_of(5, now_ - kInertialAge);
   }
 
   // SCI0 holds the byte that it sends and the next one; the rest waits in the ring.
@@ -337,10 +337,10 @@ class NativeMcu final : public Mcu {
     const auto first = std::find_if(wire_.begin(), wire_.end(),
                                     [at](const SerialByte& byte) { return byte.at > at; });
     const auto waiting = static_cast<std::size_t>(wire_.end() - first);
-    if (waiting == 0) return transmit_ring;
+    if (waiting == 0) return kTransmitRing;
     const bool sends = first->at - KZ_STATES_PER_BYTE <= at;
     const std::size_t in_channel = std::min<std::size_t>(waiting, sends ? 2 : 1);
-    return static_cast<u8>(transmit_ring - std::min(waiting - in_channel, transmit_ring));
+    return static_cast<u8>(kTransmitRing - std::min(waiting - in_channel, kTransmitRing));
   }
 
   // Each scan has one of the two supply inputs, in turn, and then the potentiometers'.
@@ -352,8 +352,8 @@ class NativeMcu final : public Mcu {
   }
 
   States sample_time() const {
-    if (scans_left_ == 0) return never;
-    return scan_at_ + (setting_ == 0 ? 0 : scan_first + (setting_ - 1) * scan_next);
+    if (scans_left_ == 0) return kNotDue;
+    return scan_at_ + (setting_ == 0 ? 0 : kScanFirst + (setting_ - 1) * kScanNext);
   }
 
   u16 code_of(int channel, States at) {
@@ -374,13 +374,13 @@ class NativeMcu final : public Mcu {
       if (place == KZ_ANALOG_YAW_RATE || place == KZ_ANALOG_FORWARD_FORCE ||
           place == KZ_ANALOG_LEFT_FORCE)
         continue;
-      input_.analog[place] = code_of(mux, now_ + mux * convert_states);
+      input_.analog[place] = code_of(mux, now_ + mux * kConvertStates);
     }
     if (setting_ == 0) {
-      input_.analog[KZ_ANALOG_YAW_RATE] = code_of(KZ_MUXES, now_ + KZ_MUXES * convert_states);
+      input_.analog[KZ_ANALOG_YAW_RATE] = code_of(KZ_MUXES, now_ + KZ_MUXES * kConvertStates);
     }
-    if (++setting_ < scan_settings) return;
-    if (scans_left_ > 1) return begin_scans(scan_at_ + scan_states, scans_left_ - 1);
+    if (++setting_ < kScanSettings) return;
+    if (scans_left_ > 1) return begin_scans(scan_at_ + kScanStates, scans_left_ - 1);
     scans_left_ = 0;
   }
 
@@ -410,8 +410,8 @@ class NativeMcu final : public Mcu {
   kz_tick_input input_{};
   kz_tick_output output_{};  // of the last tick: for the pins and the wire at the next
   States now_ = 0;
-  States tick_at_ = 0;     // when the next one becomes due
-  States act_at_ = never;  // when the next step of `action_` is due
+  States tick_at_ = 0;       // when the next one becomes due
+  States act_at_ = kNotDue;  // when the next step of `action_` is due
   u8 action_ = KZ_ACTION_NONE;
   Phase phase_ = Phase::requested;
   bool released_ = false;    // the bytes of `output_` are on the wire already

@@ -14,8 +14,8 @@ struct NativeOptions {
   // default was measured with a built image. If the image grows, the default is not updated, because
   // recordings depend on the default. `kaz mcu compare --wire` measures the time again and rejects a default
   // that is more than 5 ms from the measured time.
-  static constexpr States default_start_states = 831751;
-  States start_states = default_start_states;
+  static constexpr States kDefaultStartStates = 831751;
+  States start_states = kDefaultStartStates;
 };
 
 std::unique_ptr<Mcu> make_native(const NativeOptions& options);

@@ -9,25 +9,25 @@
 namespace kaz::sim {
 namespace {
 
-constexpr int address_block = 2;  // after the two of the calibration
-constexpr std::uint64_t seed = 1;
+constexpr int kAddressBlock = 2;  // after the two of the calibration
+constexpr std::uint64_t kSeed = 1;
 
 // Durations in the firmware (firmware/flash_ram.c); they need not be exact to the state.
 constexpr States microseconds(double us) {
   return static_cast<States>(us * KZ_CLOCK_HZ / 1e6);
 }
-constexpr States erase_setup = microseconds(210), erase_pulse = microseconds(5200),
-                 erase_verify = microseconds(1900);
-constexpr States program_setup = microseconds(210), program_pulse = microseconds(180),
-                 program_verify = microseconds(178);
+constexpr States kEraseSetup = microseconds(210), kErasePulse = microseconds(5200),
+                 kEraseVerify = microseconds(1900);
+constexpr States kProgramSetup = microseconds(210), kProgramPulse = microseconds(180),
+                 kProgramVerify = microseconds(178);
 // Before the line is left alone; then the routine is copied to RAM; in the end it is overwritten, and
 // the log is read.
-constexpr States prepare_calibration = 732, prepare_address = 280, copy_routine = 1960,
-                 clear_routine = 1957;
-constexpr States read_calibration = 27950, read_address = 14730, read_line = 681;
+constexpr States kPrepareCalibration = 732, kPrepareAddress = 280, kCopyRoutine = 1960,
+                 kClearRoutine = 1957;
+constexpr States kReadCalibration = 27950, kReadAddress = 14730, kReadLine = 681;
 // Pulse lengths: the one that changes every cell, and the longest that changes none.
-constexpr double erase_min = 5000.0 / 5200.0, program_min = 150.0 / 180.0;
-constexpr double nothing_below = 0.125;
+constexpr double kEraseMin = 5000.0 / 5200.0, kProgramMin = 150.0 / 180.0;
+constexpr double kNothingBelow = 0.125;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ std::array<const u8*, 2> NativeMemory::calibration_images() const {
 }
 
 std::array<const u8*, 1> NativeMemory::address_image() const {
-  return {bytes_.data() + address_block * KZ_STORE_BLOCK};
+  return {bytes_.data() + kAddressBlock * KZ_STORE_BLOCK};
 }
 
 void NativeMemory::scan() {
@@ -46,7 +46,7 @@ void NativeMemory::scan() {
 }
 
 int NativeMemory::lines_of(int first_block, int blocks,
-                           const std::array<std::uint8_t, Mcu::memory_size>& of) const {
+                           const std::array<std::uint8_t, Mcu::kMemorySize>& of) const {
   int lines = 0;
   for (int at = first_block * KZ_STORE_BLOCK; at < (first_block + blocks) * KZ_STORE_BLOCK;
        at += KZ_STORE_LINE) {
@@ -79,30 +79,30 @@ void NativeMemory::plan(const kz_store& log, int first_block, States from,
   kz_store_plan_next(&log, &next);
   const int block = first_block + next.block;
   wanted_ = bytes_;
-  const bool calibration = first_block != address_block;
-  deaf_from_ = from + (calibration ? prepare_calibration : prepare_address);
-  States at = deaf_from_ + copy_routine;
+  const bool calibration = first_block != kAddressBlock;
+  deaf_from_ = from + (calibration ? kPrepareCalibration : kPrepareAddress);
+  States at = deaf_from_ + kCopyRoutine;
   if (next.erase) {
-    at += erase_setup;
-    pulses_.push_back({at, at + erase_pulse, block, -1, {}});
-    at += erase_pulse + erase_verify;
+    at += kEraseSetup;
+    pulses_.push_back({at, at + kErasePulse, block, -1, {}});
+    at += kErasePulse + kEraseVerify;
     std::fill_n(wanted_.begin() + block * KZ_STORE_BLOCK, KZ_STORE_BLOCK, std::uint8_t{0xFF});
   }
   for (u8 part = 0; part < log.parts; ++part) {
     u8 data[KZ_STORE_DATA];
     Pulse pulse{
-        at + program_setup, at + program_setup + program_pulse, block, next.line + part, {}};
+        at + kProgramSetup, at + kProgramSetup + kProgramPulse, block, next.line + part, {}};
     pack(data, part);
     kz_store_encode(pulse.data.data(), &log, &next, part, data);
     std::copy(pulse.data.begin(), pulse.data.end(),
               wanted_.begin() + block * KZ_STORE_BLOCK + pulse.line * KZ_STORE_LINE);
-    at = pulse.end + program_verify;
+    at = pulse.end + kProgramVerify;
     pulses_.push_back(pulse);
   }
-  over_at_ = at + clear_routine;
+  over_at_ = at + kClearRoutine;
   read_back_ =
-      (calibration ? read_calibration : read_address) +
-      read_line *
+      (calibration ? kReadCalibration : kReadAddress) +
+      kReadLine *
           lines_of(first_block, calibration ? KZ_CALIBRATION_BLOCKS : KZ_ADDRESS_BLOCKS, wanted_);
 }
 
@@ -118,15 +118,15 @@ void NativeMemory::store_calibration(const kz_servo& servo, States from) {
 }
 
 void NativeMemory::store_address(const kz_servo& servo, States from) {
-  plan(address_, address_block, from, [&](u8* data, u8) {
+  plan(address_, kAddressBlock, from, [&](u8* data, u8) {
     kz_store_pack_address(data, servo.new_address, servo.new_shared_line);
   });
 }
 
 void NativeMemory::apply(const Pulse& pulse, double share) {
   ++pulses_done_;
-  share /= pulse.line < 0 ? erase_min : program_min;
-  if (share < nothing_below) return;
+  share /= pulse.line < 0 ? kEraseMin : kProgramMin;
+  if (share < kNothingBelow) return;
   const bool erases = pulse.line < 0;
   const int first = pulse.block * KZ_STORE_BLOCK + (erases ? 0 : pulse.line * KZ_STORE_LINE);
   const int count = erases ? KZ_STORE_BLOCK : KZ_STORE_LINE;
@@ -137,7 +137,7 @@ void NativeMemory::apply(const Pulse& pulse, double share) {
     unsigned moves = 0;
     for (unsigned bit = 0; bit < 8; ++bit) {
       const auto place = static_cast<std::uint64_t>(first + i) * 8 + bit;
-      Random random(mix64(seed ^ mix64(place) ^ pulses_done_ << 40));
+      Random random(mix64(kSeed ^ mix64(place) ^ pulses_done_ << 40));
       if (share >= 1 || random.chance(share)) moves |= 1u << bit;
     }
     cell = static_cast<std::uint8_t>(cell ^ ((cell ^ target) & moves));
@@ -168,7 +168,7 @@ void NativeMemory::cut(States at) {
   over_at_ = 0;
 }
 
-void NativeMemory::set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes) {
+void NativeMemory::set_bytes(std::span<const std::uint8_t, Mcu::kMemorySize> bytes) {
   std::copy(bytes.begin(), bytes.end(), bytes_.begin());
 }
 

@@ -46,8 +46,8 @@ class NativeMemory {
   void cut(States at);
 
   // Returns the blocks EB1 to EB3, like Mcu::memory().
-  std::span<const std::uint8_t, Mcu::memory_size> bytes() const { return bytes_; }
-  void set_bytes(std::span<const std::uint8_t, Mcu::memory_size> bytes);
+  std::span<const std::uint8_t, Mcu::kMemorySize> bytes() const { return bytes_; }
+  void set_bytes(std::span<const std::uint8_t, Mcu::kMemorySize> bytes);
 
   // Serializes the complete state (archive.hpp).
   template <class A>
@@ -79,18 +79,18 @@ class NativeMemory {
   std::array<const u8*, 1> address_image() const;
   void scan();
   int lines_of(int first_block, int blocks,
-               const std::array<std::uint8_t, Mcu::memory_size>& of) const;
+               const std::array<std::uint8_t, Mcu::kMemorySize>& of) const;
   void plan(const kz_store& log, int first_block, States from,
             const std::function<void(u8* data, u8 part)>& pack);
   // Applies a pulse. `share` (0..1) is the length of the pulse as a fraction of the full length.
   void apply(const Pulse& pulse, double share);
   void advance(States to);
 
-  std::array<std::uint8_t, Mcu::memory_size> bytes_;
+  std::array<std::uint8_t, Mcu::kMemorySize> bytes_;
   kz_store calibration_{}, address_{};
   std::deque<Pulse> pulses_;
   States deaf_from_ = 0, over_at_ = 0, read_back_ = 0;
-  std::array<std::uint8_t, Mcu::memory_size> wanted_{};  // intended flash contents
+  std::array<std::uint8_t, Mcu::kMemorySize> wanted_{};  // intended flash contents
   std::uint64_t pulses_done_ = 0;
 };
 

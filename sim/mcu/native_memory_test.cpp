@@ -90,7 +90,7 @@ TEST(NativeMemory, BytesAreTheWholeOfIt) {
 TEST(NativeMemory, SpoiltWhileItIsWrittenIsNoticed) {
   NativeMemory memory = with_copies(1);
   memory.store_calibration(servo_with(2), 0);
-  std::array<std::uint8_t, Mcu::memory_size> spoilt{};
+  std::array<std::uint8_t, Mcu::kMemorySize> spoilt{};
   std::copy(memory.bytes().begin(), memory.bytes().end(), spoilt.begin());
   spoilt[4 * KZ_STORE_LINE + 1] = 0;  // of the second line of the copy
   memory.set_bytes(spoilt);

@@ -9,18 +9,18 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 // Amid traffic: requests in its queue, a reply on the wire, half a frame received.
 std::unique_ptr<Mcu> busy_board() {
   auto mcu = make_native();
   mcu->set_analog(quiet_board);
-  EXPECT_TRUE(mcu->run_until(60 * ms));
+  EXPECT_TRUE(mcu->run_until(60 * kMs));
   const States sent = send(*mcu, enable_frame(1, 7));
-  EXPECT_TRUE(mcu->run_until(sent + 2 * ms));
+  EXPECT_TRUE(mcu->run_until(sent + 2 * kMs));
   for (std::uint8_t sequence = 2; sequence < 5; ++sequence)
     send(*mcu, frame_of(KZ_TYPE_joints, sequence, {0, 0, 1, 0xff}));
-  EXPECT_TRUE(mcu->run_until(mcu->now() + 4 * ms));
+  EXPECT_TRUE(mcu->run_until(mcu->now() + 4 * kMs));
   return mcu;
 }
 
@@ -83,21 +83,21 @@ TEST(NativeState, OneWithAnIndexOutOfRangeIsRefused) {
 TEST(NativeState, WhateverByteIsChangedItIsRefusedOrRuns) {
   const auto mcu = busy_board();
   const auto state = saved_state(*mcu);
-  sweep_state(*mcu, state, Mcu::memory_size, state.size(), 1, 4 * ms);
+  sweep_state(*mcu, state, Mcu::kMemorySize, state.size(), 1, 4 * kMs);
 }
 
 // Pulses of the flash, of which some are still to come.
 TEST(NativeState, OneThatWritesFlashIsCheckedToo) {
   auto mcu = make_native();
   mcu->set_analog(quiet_board);
-  EXPECT_TRUE(mcu->run_until(60 * ms));
+  EXPECT_TRUE(mcu->run_until(60 * kMs));
   const States sent = send(*mcu, frame_of(KZ_TYPE_store_calibration, 1, {}));
-  EXPECT_TRUE(mcu->run_until(sent + 3 * ms));
+  EXPECT_TRUE(mcu->run_until(sent + 3 * kMs));
   const auto state = saved_state(*mcu);
   // The pulses are behind the cells, and begin with their number.
-  ASSERT_GT(state[Mcu::memory_size], 0) << "no pulse is planned";
-  const std::size_t pulses = 8 + state[Mcu::memory_size] * std::size_t{56};
-  sweep_state(*mcu, state, Mcu::memory_size, Mcu::memory_size + pulses, 1, 40 * ms);
+  ASSERT_GT(state[Mcu::kMemorySize], 0) << "no pulse is planned";
+  const std::size_t pulses = 8 + state[Mcu::kMemorySize] * std::size_t{56};
+  sweep_state(*mcu, state, Mcu::kMemorySize, Mcu::kMemorySize + pulses, 1, 40 * kMs);
 }
 
 TEST(NativeState, OneThatIsCutOffIsRefused) {
@@ -106,7 +106,7 @@ TEST(NativeState, OneThatIsCutOffIsRefused) {
   for (std::size_t length = 0; length < valid.size(); length += 37) {
     const std::vector<std::uint8_t> cut(valid.begin(),
                                         valid.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(restore_and_run(*mcu, cut, ms), "") << length;
+    EXPECT_NE(restore_and_run(*mcu, cut, kMs), "") << length;
   }
 }
 

@@ -10,12 +10,12 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
-constexpr States first_tick = NativeOptions::default_start_states;
+constexpr States kMs = KZ_STATES_PER_TICK;
+constexpr States kFirstTick = NativeOptions::kDefaultStartStates;
 
 // Since the last tick became due.
 States since_tick(States at) {
-  return (at - first_tick) % ms;
+  return (at - kFirstTick) % kMs;
 }
 
 bool motors_on(const Mcu& mcu) {
@@ -25,7 +25,7 @@ bool motors_on(const Mcu& mcu) {
 std::unique_ptr<Mcu> started() {
   auto mcu = make_native();
   mcu->set_analog(quiet_board);
-  EXPECT_TRUE(mcu->run_until(60 * ms));
+  EXPECT_TRUE(mcu->run_until(60 * kMs));
   return mcu;
 }
 
@@ -35,18 +35,18 @@ TEST(Native, EnablesAndDrivesTowardsATarget) {
   EXPECT_EQ(mcu->pins().pw[0], 0);
 
   const States sent = send(*mcu, enable_frame(1, 1));
-  ASSERT_TRUE(mcu->run_until(sent + 3 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 3 * kMs));
   EXPECT_TRUE(motors_on(*mcu));
   EXPECT_LE(mcu->pins().pw[0], 3);  // it holds its position
 
   // 0.2 rad ahead at kp 16/rad is three times full duty; the ramp of 6 rad/s gets there in 34 ms.
   const States targeted = send(*mcu, target_frame(2, 0, 2000));
-  ASSERT_TRUE(mcu->run_until(targeted + 50 * ms));
+  ASSERT_TRUE(mcu->run_until(targeted + 50 * kMs));
   EXPECT_EQ(mcu->pins().pw[0], 255);
   EXPECT_TRUE(mcu->pins().p3 & 1);  // neck_pan: P30 high is forward, mounted with sign +1
 
   const States back = send(*mcu, target_frame(3, 0, -2000));
-  ASSERT_TRUE(mcu->run_until(back + 80 * ms));
+  ASSERT_TRUE(mcu->run_until(back + 80 * kMs));
   EXPECT_EQ(mcu->pins().pw[0], 255);
   EXPECT_FALSE(mcu->pins().p3 & 1);
 }
@@ -54,16 +54,16 @@ TEST(Native, EnablesAndDrivesTowardsATarget) {
 TEST(Native, SilentHostTurnsMotorsOffAfter90Milliseconds) {
   auto mcu = started();
   const States sent = send(*mcu, enable_frame(1, 1));
-  ASSERT_TRUE(mcu->run_until(sent + 85 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 85 * kMs));
   EXPECT_TRUE(motors_on(*mcu));
-  ASSERT_TRUE(mcu->run_until(sent + 95 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 95 * kMs));
   EXPECT_FALSE(motors_on(*mcu));
 }
 
 TEST(Native, BytesLeaveBackToBack) {
   auto mcu = started();
   send(*mcu, frame_of(KZ_TYPE_state, 7, {}));
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * kMs));
   const auto bytes = mcu->take_transmitted();
   // Status: tick 4, status 2, supply 2, 18 angles; header 3, stuffing 1, check 3, two zeros.
   ASSERT_EQ(bytes.size(), 8u + 36 + 3 + 1 + 3 + 2);
@@ -104,7 +104,7 @@ TEST(Native, SamplesEveryInputWithItsSelect) {
   });
   kz_tick_input last{};
   mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
-  ASSERT_TRUE(mcu->run_until(60 * ms));
+  ASSERT_TRUE(mcu->run_until(60 * kMs));
   for (unsigned i = 0; i < KZ_ANALOG; ++i) EXPECT_EQ(last.analog[i], i);
 }
 
@@ -115,7 +115,7 @@ TEST(Native, ConvertsEveryInputBeforeTheFirstTick) {
   mcu->on_tick([&supply](const TickRecord& record) {
     supply.push_back(record.input.analog[KZ_ANALOG_SUPPLY]);
   });
-  ASSERT_TRUE(mcu->run_until(60 * ms));
+  ASSERT_TRUE(mcu->run_until(60 * kMs));
   ASSERT_FALSE(supply.empty());
   EXPECT_EQ(supply.front(), 666);  // floor(1024 * 10 / 15.36)
 }
@@ -127,7 +127,7 @@ TEST(Native, ConverterClips) {
   });
   kz_tick_input last{};
   mcu->on_tick([&last](const TickRecord& record) { last = record.input; });
-  ASSERT_TRUE(mcu->run_until(60 * ms));
+  ASSERT_TRUE(mcu->run_until(60 * kMs));
   EXPECT_EQ(last.analog[0], 1023);
   EXPECT_EQ(last.analog[8], 0);
   EXPECT_EQ(last.analog[16], 1023);
@@ -141,7 +141,7 @@ TEST(Native, FramingErrorReachesTheTick) {
   });
   mcu->receive({0x55, mcu->now() + 1600, false});
   mcu->receive({0x55, mcu->now() + 3200, true});
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 3 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 3 * kMs));
   EXPECT_EQ(flags, (std::vector<u8>{0, KZ_RX_FRAMING}));
 }
 
@@ -150,7 +150,7 @@ TEST(Native, TakesSixteenBytesATick) {
   std::vector<int> counts;
   mcu->on_tick([&counts](const TickRecord& record) { counts.push_back(record.input.rx_count); });
   for (int i = 0; i < 40; ++i) mcu->receive({0x55, mcu->now() + 1, false});
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 4 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 4 * kMs));
   EXPECT_EQ(counts, (std::vector<int>{16, 16, 8, 0}));
 }
 
@@ -166,14 +166,14 @@ TEST(Native, PinsChangeOnlyAtTicksButForTheSelects) {
     before = now;
   });
   send(*mcu, enable_frame(1, 0x3ffff));
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 20 * kMs));
   EXPECT_TRUE(motors_on(*mcu));
 }
 
 TEST(Native, ResetLetsGoOfThePins) {
   auto mcu = started();
   send(*mcu, enable_frame(1, 1));
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 10 * kMs));
   ASSERT_TRUE(motors_on(*mcu));
   mcu->reset();
   EXPECT_EQ(mcu->pins(), PinLevels{});
@@ -181,7 +181,7 @@ TEST(Native, ResetLetsGoOfThePins) {
   mcu->on_tick([&first](const TickRecord& record) {
     if (first == 99) first = record.input.tick;
   });
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 60 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 60 * kMs));
   EXPECT_EQ(first, 0u);
   EXPECT_FALSE(motors_on(*mcu));
 }
@@ -196,12 +196,12 @@ TEST(Native, ListensShortlyBeforeTheFirstTick) {
     for (int i = 0; i < record.input.rx_count; ++i) heard.push_back(record.input.rx[i]);
     if (!heard.empty() && first == 99) first = record.input.tick;
   });
-  mcu->receive({1, 20 * ms, false});
-  mcu->receive({2, first_tick - 3 * ms, false});
-  mcu->receive({3, first_tick - 2 * ms, false});
-  mcu->receive({4, first_tick + 600, false});   // the tick reads its ring at 650
-  mcu->receive({5, first_tick + 2000, false});  // after it
-  ASSERT_TRUE(mcu->run_until(60 * ms));
+  mcu->receive({1, 20 * kMs, false});
+  mcu->receive({2, kFirstTick - 3 * kMs, false});
+  mcu->receive({3, kFirstTick - 2 * kMs, false});
+  mcu->receive({4, kFirstTick + 600, false});   // the tick reads its ring at 650
+  mcu->receive({5, kFirstTick + 2000, false});  // after it
+  ASSERT_TRUE(mcu->run_until(60 * kMs));
   EXPECT_EQ(heard, (std::vector<u8>{3, 4, 5}));
   EXPECT_EQ(first, 0u);
 }
@@ -211,11 +211,11 @@ TEST(Native, RequestedRestartIsReported) {
   std::vector<States> restarts;
   mcu->on_watchdog_reset([&restarts](States at) { restarts.push_back(at); });
   const States sent = send(*mcu, frame_of(KZ_TYPE_reset, 1, {KZ_KEY >> 8, KZ_KEY & 0xFF}));
-  ASSERT_TRUE(mcu->run_until(sent + 20 * ms));
+  ASSERT_TRUE(mcu->run_until(sent + 20 * kMs));
   ASSERT_EQ(restarts.size(), 1u);
   EXPECT_LT(restarts[0], mcu->now());
   mcu->reset();
-  ASSERT_TRUE(mcu->run_until(mcu->now() + 60 * ms));
+  ASSERT_TRUE(mcu->run_until(mcu->now() + 60 * kMs));
   EXPECT_EQ(restarts.size(), 1u);
 }
 

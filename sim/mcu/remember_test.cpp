@@ -14,7 +14,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 struct Answer {
   std::uint8_t address = 0, type = 0;
@@ -33,7 +33,7 @@ class Remember : public testing::TestWithParam<McuKind> {
       mcu = std::move(*made);
     }
     mcu->set_analog(quiet_board);
-    run(100 * ms);
+    run(100 * kMs);
   }
   void run(States states) {
     const auto ran = mcu->run_until(mcu->now() + states);
@@ -51,7 +51,7 @@ class Remember : public testing::TestWithParam<McuKind> {
   std::optional<Answer> answer(States longest) {
     std::vector<SerialByte> all;
     for (const States end = mcu->now() + longest; mcu->now() < end;) {
-      run(ms);
+      run(kMs);
       for (const SerialByte& byte : mcu->take_transmitted()) all.push_back(byte);
       const auto bodies = bodies_of(all);
       if (bodies.empty()) continue;
@@ -61,13 +61,13 @@ class Remember : public testing::TestWithParam<McuKind> {
     return std::nullopt;
   }
   std::optional<Answer> query(std::uint8_t type, const std::vector<std::uint8_t>& fields,
-                              States longest = 50 * ms) {
+                              States longest = 50 * kMs) {
     put(type, fields);
     return answer(longest);
   }
   // The reason of a refusal, 0 if it was done, -1 without a reply.
   int outcome(std::uint8_t type, const std::vector<std::uint8_t>& fields,
-              States longest = 50 * ms) {
+              States longest = 50 * kMs) {
     const auto got = query(type, fields, longest);
     if (!got) return -1;
     if (got->type == (type | KZ_REPLY)) return 0;
@@ -128,12 +128,12 @@ TEST_P(Remember, CalibrationOutlivesThePower) {
   EXPECT_TRUE(calibration().status & KZ_STATUS_UNCALIBRATED);
   ASSERT_EQ(calibrate(100), 0);
   const States sent = put(KZ_TYPE_store_calibration, {});
-  const auto got = answer(3000 * ms);
+  const auto got = answer(3000 * kMs);
   ASSERT_TRUE(got);
   ASSERT_EQ(got->type, KZ_TYPE_store_calibration_reply);
   std::printf("%s: answer to store_calibration %.1f ms after the request\n", to_string(GetParam()),
-              static_cast<double>(got->first - sent) / static_cast<double>(ms));
-  EXPECT_LT(got->first - sent, 3000 * ms);
+              static_cast<double>(got->first - sent) / static_cast<double>(kMs));
+  EXPECT_LT(got->first - sent, 3000 * kMs);
   kz_store_calibration_reply reply{};
   ASSERT_TRUE(kz_unpack_store_calibration_reply(&reply, got->fields.data(),
                                                 static_cast<u8>(got->fields.size())));
@@ -144,7 +144,7 @@ TEST_P(Remember, CalibrationOutlivesThePower) {
   EXPECT_FALSE(reply.status & KZ_STATUS_UNCALIBRATED);
 
   mcu->power_cycle();
-  run(100 * ms);
+  run(100 * kMs);
   EXPECT_EQ(calibration().source, KZ_CALIBRATION_A);
   EXPECT_EQ(calibration().sequence, 1);
   EXPECT_EQ(offset_in_use(), 100);
@@ -153,7 +153,7 @@ TEST_P(Remember, CalibrationOutlivesThePower) {
 TEST_P(Remember, WearIsReported) {
   for (int i = 1; i <= 22; ++i) {
     ASSERT_EQ(calibrate(i), 0);
-    ASSERT_EQ(outcome(KZ_TYPE_store_calibration, {}, 3000 * ms), 0);
+    ASSERT_EQ(outcome(KZ_TYPE_store_calibration, {}, 3000 * kMs), 0);
   }
   const kz_calibration_reply reply = calibration();
   EXPECT_EQ(reply.sequence, 22);
@@ -177,9 +177,9 @@ TEST_P(Remember, NothingIsStoredWhileAMotorIsOn) {
 TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
   ASSERT_EQ(calibrate(5), 0);
   put(KZ_TYPE_store_calibration, {});
-  run(2 * ms);  // the write is in progress
+  run(2 * kMs);  // the write is in progress
   send(*mcu, frame_of(KZ_TYPE_heartbeat, 200, {0, 0}));
-  const auto got = answer(3000 * ms);
+  const auto got = answer(3000 * kMs);
   ASSERT_TRUE(got);
   EXPECT_EQ(got->type, KZ_TYPE_store_calibration_reply);
   const auto statistics_reply = query(KZ_TYPE_statistics, {});
@@ -194,20 +194,20 @@ TEST_P(Remember, BytesThatCameMeanwhileAreLostAndTheNextFrameIsHeard) {
 
 TEST_P(Remember, ResetAnswersFirstAndIsReportedAfterwards) {
   ASSERT_EQ(outcome(KZ_TYPE_reset, key()), 0);
-  run(100 * ms);
+  run(100 * kMs);
   const kz_identify_reply reply = identity();
   EXPECT_EQ(reply.reset_cause, KZ_RESET_COMMAND);
   EXPECT_LT(reply.tick, 120u);
   mcu->reset();
-  run(100 * ms);
+  run(100 * kMs);
   EXPECT_EQ(identity().reset_cause, KZ_RESET_POWER);
 }
 
 TEST_P(Remember, LoaderGoesAndComesBack) {
   ASSERT_EQ(outcome(KZ_TYPE_loader, key()), 0);
-  run((KZ_LOADER_S * 1000 - 100) * ms);
+  run((KZ_LOADER_S * 1000 - 100) * kMs);
   EXPECT_FALSE(query(KZ_TYPE_identify, {}));
-  run(250 * ms);
+  run(250 * kMs);
   EXPECT_EQ(identity().reset_cause, KZ_RESET_COMMAND);
 }
 
@@ -217,10 +217,10 @@ TEST_P(Remember, AddressIsInForceAfterAReset) {
   auto unlock = key();
   unlock.push_back(10);
   ASSERT_EQ(outcome(KZ_TYPE_unlock, unlock), 0);
-  ASSERT_EQ(outcome(KZ_TYPE_set_address, seven, 3000 * ms), 0);
+  ASSERT_EQ(outcome(KZ_TYPE_set_address, seven, 3000 * kMs), 0);
   EXPECT_EQ(outcome(KZ_TYPE_heartbeat, {0, 0}), 0) << "not before the reset";
   mcu->power_cycle();
-  run(100 * ms);
+  run(100 * kMs);
   EXPECT_EQ(outcome(KZ_TYPE_heartbeat, {0, 0}), -1);
   address = 7;
   EXPECT_EQ(outcome(KZ_TYPE_heartbeat, {0, 0}), 0);
@@ -232,9 +232,9 @@ TEST_P(Remember, PowerLostWhileStoringLeavesTheOldOrTheNewCopy) {
   for (int i = 1; i <= 40; ++i) {
     ASSERT_EQ(calibrate(i), 0);
     const States sent = put(KZ_TYPE_store_calibration, {});
-    ASSERT_TRUE(mcu->run_until(sent + random.below(static_cast<std::uint32_t>(12 * ms))));
+    ASSERT_TRUE(mcu->run_until(sent + random.below(static_cast<std::uint32_t>(12 * kMs))));
     mcu->power_cycle();
-    run(100 * ms);
+    run(100 * kMs);
     const auto now = offset_in_use();
     ASSERT_TRUE(now == kept || now == i) << "cut " << i;
     ++(*now == i ? stored : lost);

@@ -9,7 +9,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr int frame_bits = 10;  // start, 8 data, stop
+constexpr int kFrameBits = 10;  // start, 8 data, stop
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void UartDecoder::advance(States to) {
       return;
     }
     if (bits_ >= 1 && bits_ <= 8 && level_) shift_ |= 1u << (bits_ - 1);
-    if (++bits_ < frame_bits) continue;
+    if (++bits_ < kFrameBits) continue;
     now_.value = static_cast<std::uint8_t>(shift_);
     now_.framing_error = !level_;
     decoded_.push_back(now_);
@@ -43,7 +43,7 @@ void UartDecoder::level(bool level, States at) {
   // A start bit before the end of the last frame shows that its bits were shorter.
   DecodedByte next;
   next.start = at;
-  if (now_.start != 0 && since < frame_bits * bit_) next.edge_deviation = frame_bits * bit_ - since;
+  if (now_.start != 0 && since < kFrameBits * bit_) next.edge_deviation = kFrameBits * bit_ - since;
   now_ = next;
   receiving_ = true;
   bits_ = 0;

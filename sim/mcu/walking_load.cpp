@@ -16,20 +16,20 @@ struct Wiring {
   int pwm, port, bit;
 };
 
-constexpr std::array<Wiring, KZ_JOINTS> wiring{{
+constexpr std::array<Wiring, KZ_JOINTS> kWiring{{
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) {pwm, port, bit},
 #include "shared/board/joints.def"
 #undef KZ_JOINT
 }};
 
-constexpr std::int64_t start_ms = 100, enable_ms = 110, walking_ms = 600;
-constexpr int step_ms = 10;
-constexpr int states_at_ms = 7;  // the targets have been received and their reply sent
+constexpr std::int64_t kStart_ms = 100, kEnable_ms = 110, kWalking_ms = 600;
+constexpr int kStep_ms = 10;
+constexpr int kStatesAtMs = 7;  // the targets have been received and their reply sent
 // A gait of one step per second, joints a radian of phase apart, amplitude 0.3 rad.
-constexpr double phase_per_step = 0.06;
-constexpr int amplitude = 3000;
+constexpr double kPhasePerStep = 0.06;
+constexpr int kAmplitude = 3000;
 // No-load speed of the servos, 60 degrees in 0.2 s, as a fraction of the potentiometer's 190 degrees.
-constexpr double full_speed_per_ms = 300.0 / 190 / 1000;
+constexpr double kFullSpeedPerMs = 300.0 / 190 / 1000;
 
 std::uint8_t port_level(const PinLevels& pins, int port) {
   return port == 3 ? pins.p3 : port == 4 ? pins.p4 : port == 5 ? pins.p5 : pins.p6;
@@ -49,20 +49,20 @@ WalkingLoad::WalkingLoad(Mcu& mcu) : mcu_(mcu) {
 }
 
 Result<void> WalkingLoad::start() {
-  while (milliseconds_ < walking_ms) {
+  while (milliseconds_ < kWalking_ms) {
     if (auto done = millisecond(); !done) return done;
   }
   return {};
 }
 
 Result<void> WalkingLoad::millisecond() {
-  if (milliseconds_ == start_ms) {
+  if (milliseconds_ == kStart_ms) {
     const kz_enable request{(1u << KZ_JOINTS) - 1};
     std::array<std::uint8_t, KZ_PAYLOAD_MAX> fields{};
     send(KZ_TYPE_enable, fields.data(), kz_pack_enable(&request, fields.data()));
-  } else if (milliseconds_ >= enable_ms) {
-    if (milliseconds_ % step_ms == 0) send_targets();
-    if (milliseconds_ % step_ms == states_at_ms) send(KZ_TYPE_state, nullptr, 0);
+  } else if (milliseconds_ >= kEnable_ms) {
+    if (milliseconds_ % kStep_ms == 0) send_targets();
+    if (milliseconds_ % kStep_ms == kStatesAtMs) send(KZ_TYPE_state, nullptr, 0);
   }
   ++milliseconds_;
   if (auto ran = mcu_.run_until(mcu_.now() + KZ_STATES_PER_TICK); !ran) return ran;
@@ -86,14 +86,14 @@ void WalkingLoad::send(std::uint8_t type, const std::uint8_t* fields, std::uint8
 }
 
 void WalkingLoad::send_targets() {
-  const double phase = phase_per_step * static_cast<double>(milliseconds_) / step_ms;
+  const double phase = kPhasePerStep * static_cast<double>(milliseconds_) / kStep_ms;
   kz_targets request{};
   request.mask = (1u << KZ_JOINTS) - 1;
-  request.duration_ms = step_ms;
+  request.duration_ms = kStep_ms;
   for (int j = 0; j < KZ_JOINTS; ++j) {
     const kz_board_joint& joint = kz_board_joints[j];
     const int middle = (joint.lower + joint.upper) / 2;
-    const int swing = std::min(amplitude, (joint.upper - joint.lower) / 2);
+    const int swing = std::min(kAmplitude, (joint.upper - joint.lower) / 2);
     targets_[static_cast<std::size_t>(j)] = request.angle[j] =
         static_cast<s16>(middle + std::lround(swing * std::sin(phase + j)));
   }
@@ -105,11 +105,11 @@ void WalkingLoad::move_joints() {
   const PinLevels& pins = mcu_.pins();
   if (!(pins.p4 & KZ_P4_ENABLE)) return;
   for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
-    const auto pwm = static_cast<std::size_t>(wiring[j].pwm);
+    const auto pwm = static_cast<std::size_t>(kWiring[j].pwm);
     const double duty = (pwm < 16 ? pins.pw[pwm] : pins.tmo[pwm - 16]) / 256.0;
-    const bool forward = (port_level(pins, wiring[j].port) >> wiring[j].bit & 1) != 0;
+    const bool forward = (port_level(pins, kWiring[j].port) >> kWiring[j].bit & 1) != 0;
     double& share = inputs_[kz_board_joints[j].analog];
-    share = std::clamp(share + (forward ? duty : -duty) * full_speed_per_ms, 0.0, 1.0);
+    share = std::clamp(share + (forward ? duty : -duty) * kFullSpeedPerMs, 0.0, 1.0);
   }
 }
 

@@ -12,21 +12,21 @@
 namespace kaz::sim {
 namespace {
 
-constexpr const char* no_cpu = "the native board models no CPU time";
-constexpr const char* no_image = "no image";
+constexpr const char* kNoCpu = "the native board models no CPU time";
+constexpr const char* kNoImage = "no image";
 
-constexpr WireException exceptions[] = {
-    {"`statistics_reply.busy_8states`", "measured", "0", no_cpu, KZ_TYPE_statistics_reply,
+constexpr WireException kExceptions[] = {
+    {"`statistics_reply.busy_8states`", "measured", "0", kNoCpu, KZ_TYPE_statistics_reply,
      "busy_8states"},
-    {"`statistics_reply.worst_8states`", "measured", "0", no_cpu, KZ_TYPE_statistics_reply,
+    {"`statistics_reply.worst_8states`", "measured", "0", kNoCpu, KZ_TYPE_statistics_reply,
      "worst_8states"},
-    {"`telemetry_health.busy_8states`", "measured", "0", no_cpu, KZ_TYPE_telemetry_health,
+    {"`telemetry_health.busy_8states`", "measured", "0", kNoCpu, KZ_TYPE_telemetry_health,
      "busy_8states"},
-    {"`telemetry_health.worst_8states`", "measured", "0", no_cpu, KZ_TYPE_telemetry_health,
+    {"`telemetry_health.worst_8states`", "measured", "0", kNoCpu, KZ_TYPE_telemetry_health,
      "worst_8states"},
-    {"`identify_reply.image_crc`", "the image's CRC", "0", no_image, KZ_TYPE_identify_reply,
+    {"`identify_reply.image_crc`", "the image's CRC", "0", kNoImage, KZ_TYPE_identify_reply,
      "image_crc"},
-    {"`self_test_reply.image_crc`", "the image's CRC", "0", no_image, KZ_TYPE_self_test_reply,
+    {"`self_test_reply.image_crc`", "the image's CRC", "0", kNoImage, KZ_TYPE_self_test_reply,
      "image_crc"},
     {"`self_test_reply.start_8states`", "measured", "a constant near the measured value",
      "the image determines the start-up time", KZ_TYPE_self_test_reply, "start_8states"},
@@ -39,7 +39,7 @@ constexpr WireException exceptions[] = {
      "received if it ends in the last 46,940 states before the tick; no delay",
      "the native board models no CPU time; the comparison sends no bytes in this interval"},
     {"first byte of a reply", "320 to 700 states after its tick", "445 states after its tick",
-     no_cpu},
+     kNoCpu},
     {"a request that waits for room in the transmit ring",
      "the check for room comes at most 1,100 states after the tick's due time",
      "the check for room comes 665 states after the tick's due time",
@@ -65,12 +65,12 @@ constexpr WireException exceptions[] = {
 }  // namespace
 
 std::span<const WireException> wire_differences() {
-  return exceptions;
+  return kExceptions;
 }
 
 std::string wire_differences_table() {
   std::string table = "| on the wire | `h8` | `native` | why |\n|---|---|---|---|\n";
-  for (const WireException& row : exceptions) {
+  for (const WireException& row : kExceptions) {
     for (const char* cell : {row.what, row.h8, row.native, row.reason})
       table += std::string("| ") + cell + " ";
     table += "|\n";
@@ -81,7 +81,7 @@ std::string wire_differences_table() {
 bool mask_wire_differences(std::span<std::uint8_t> body) {
   if (body.size() < KZ_HEADER_SIZE) return false;
   bool masked = false;
-  for (const WireException& row : exceptions) {
+  for (const WireException& row : kExceptions) {
     if (row.type == 0 || row.type != body[1]) continue;
     const kz_message_info* info = kz_message_find(row.type);
     std::size_t at = KZ_HEADER_SIZE;

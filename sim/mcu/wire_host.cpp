@@ -11,9 +11,9 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 // A tick reads its ring 450 to 850 states after it has become due, depending on its other work.
-constexpr States ring_read_from = 300, ring_read_until = 1000;
+constexpr States kRingReadFrom = 300, kRingReadUntil = 1000;
 
 constexpr std::uint32_t kMaxNoise = 160;  // bytes; sometimes longer than any frame
 
@@ -38,10 +38,10 @@ void WireHost::plan_specials() {
   const auto key = [](std::uint8_t type) {
     return std::vector<std::uint8_t>{type, KZ_KEY >> 8, KZ_KEY & 0xFF};
   };
-  const auto some_time = [this] { return 60 * ms + random_.below(800) * ms; };
+  const auto some_time = [this] { return 60 * kMs + random_.below(800) * kMs; };
   const auto away = [&](std::vector<std::vector<std::uint8_t>> bodies) {
     bodies.insert(bodies.begin(), {off, clear, quiet});
-    planned_.push_back({some_time(), std::move(bodies), 25 * ms});
+    planned_.push_back({some_time(), std::move(bodies), 25 * kMs});
   };
   if (random_.chance(0.2)) away({{KZ_TYPE_store_calibration}});
   if (random_.chance(0.1)) away({{KZ_TYPE_store_calibration}});
@@ -59,8 +59,8 @@ void WireHost::plan_specials() {
   if (random_.chance(0.03)) away({key(KZ_TYPE_loader)});
   std::sort(planned_.begin(), planned_.end(),
             [](const Planned& a, const Planned& b) { return a.not_before < b.not_before; });
-  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * ms, Event::reset_pin);
-  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * ms, Event::power_cycle);
+  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * kMs, Event::reset_pin);
+  if (random_.chance(0.08)) events_.emplace_back(random_.below(900) * kMs, Event::power_cycle);
 }
 
 WireHost::Event WireHost::take_event(States at) {
@@ -77,16 +77,16 @@ WireHost::Event WireHost::take_event(States at) {
 void WireHost::begin(States at) {
   begun_ = true;
   begun_at_ = line_free_ = at;
-  next_at_ = at + random_.below(50) * ms;  // some while the board is starting
-  manner_until_ = at + 120 * ms;
+  next_at_ = at + random_.below(50) * kMs;  // some while the board is starting
+  manner_until_ = at + 120 * kMs;
   // All on, so that the loops run; telemetry in some.
   if (random_.chance(0.7)) {
-    planned_.push_front({50 * ms, {{KZ_TYPE_enable, 0, 3, 255, 255}}, 3 * ms});
+    planned_.push_front({50 * kMs, {{KZ_TYPE_enable, 0, 3, 255, 255}}, 3 * kMs});
   }
   if (random_.chance(0.3)) {
     const auto period = static_cast<std::uint8_t>(5 + random_.below(60));
     const auto selection = static_cast<std::uint8_t>(1 + random_.below(15));
-    planned_.push_front({50 * ms, {{KZ_TYPE_telemetry, 0, period, selection}}, 3 * ms});
+    planned_.push_front({50 * kMs, {{KZ_TYPE_telemetry, 0, period, selection}}, 3 * kMs});
   }
 }
 
@@ -97,7 +97,7 @@ void WireHost::next_manner() {
   manner_ = manners[random_.below(std::size(manners))];
   const States length =
       manner_ == Manner::silent ? 70 + random_.below(60) : 30 + random_.below(170);
-  manner_until_ = next_at_ + length * ms;
+  manner_until_ = next_at_ + length * kMs;
   if (manner_ == Manner::silent) {
     next_at_ = manner_until_;
     ++kinds_["silences"];
@@ -181,11 +181,11 @@ void WireHost::refill(States at) {
   const std::string text = name_of(request.front());
   auto bytes = frame(request);
   ++requests_;
-  States pause = (2 + random_.below(20)) * ms;
+  States pause = (2 + random_.below(20)) * kMs;
   switch (manner_) {
     case Manner::burst:
       send(bytes, "back to back", text);
-      pause = random_.chance(0.75) ? 0 : (3 + random_.below(20)) * ms;
+      pause = random_.chance(0.75) ? 0 : (3 + random_.below(20)) * kMs;
       break;
     case Manner::damaged: {
       damage(bytes);
@@ -194,7 +194,7 @@ void WireHost::refill(States at) {
         pending_[random_.below(static_cast<std::uint32_t>(pending_.size()))].framing_error = true;
         ++kinds_["framing errors"];
       }
-      pause = random_.below(12) * ms;
+      pause = random_.below(12) * kMs;
       break;
     }
     case Manner::pieces: {
@@ -202,7 +202,7 @@ void WireHost::refill(States at) {
       // Up to beyond the 20 ms for which a frame may pause.
       for (auto cuts = 1 + random_.below(3); cuts > 0; --cuts)
         pending_[random_.below(static_cast<std::uint32_t>(pending_.size()))].gap +=
-            random_.below(25 * 18) * ms / 18;
+            random_.below(25 * 18) * kMs / 18;
       break;
     }
     default:
@@ -230,7 +230,7 @@ std::vector<SerialByte> WireHost::bytes(States from, States until, const WireWin
     if (windows.ticks) {
       States since = (end - windows.tick_at) % KZ_STATES_PER_TICK;
       if (since < 0) since += KZ_STATES_PER_TICK;
-      if (since > ring_read_from && since < ring_read_until) end += ring_read_until - since;
+      if (since > kRingReadFrom && since < kRingReadUntil) end += kRingReadUntil - since;
     }
     if (end >= until) {
       return out;

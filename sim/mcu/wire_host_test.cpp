@@ -9,14 +9,14 @@
 namespace kaz::sim {
 namespace {
 
-constexpr States ms = KZ_STATES_PER_TICK;
+constexpr States kMs = KZ_STATES_PER_TICK;
 
 std::vector<SerialByte> second_of(WireHost& host, const WireWindows& windows) {
   std::vector<SerialByte> all;
-  for (States at = 0; at < 1000 * ms; at += ms) {
-    for (const SerialByte& byte : host.bytes(at, at + ms, windows)) {
+  for (States at = 0; at < 1000 * kMs; at += kMs) {
+    for (const SerialByte& byte : host.bytes(at, at + kMs, windows)) {
       EXPECT_GE(byte.at, at);
-      EXPECT_LT(byte.at, at + ms);
+      EXPECT_LT(byte.at, at + kMs);
       all.push_back(byte);
     }
     host.take_event(at);
@@ -27,14 +27,14 @@ std::vector<SerialByte> second_of(WireHost& host, const WireWindows& windows) {
 TEST(WireHost, KeepsToTheLineAndLeavesTheWindowsFree) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     WireHost host(seed);
-    const auto bytes = second_of(host, {true, 100, 20 * ms, 25 * ms});
+    const auto bytes = second_of(host, {true, 100, 20 * kMs, 25 * kMs});
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       if (i > 0) {
         ASSERT_GE(bytes[i].at - bytes[i - 1].at, KZ_STATES_PER_BYTE);
       }
-      const States since = (bytes[i].at - 100 + ms) % ms;
+      const States since = (bytes[i].at - 100 + kMs) % kMs;
       EXPECT_FALSE(since > 300 && since < 1000) << since;
-      EXPECT_FALSE(bytes[i].at > 20 * ms && bytes[i].at < 25 * ms);
+      EXPECT_FALSE(bytes[i].at > 20 * kMs && bytes[i].at < 25 * kMs);
     }
     EXPECT_GE(host.requests(), 20);
   }
@@ -44,13 +44,13 @@ TEST(WireHost, KeepsToTheLineAndLeavesTheWindowsFree) {
 TEST(WireHost, RequestsThatTakeTheBoardAwayStandAlone) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     WireHost host(seed);
-    std::vector<SerialByte> bytes = second_of(host, {true, 100, 300 * ms, 500 * ms});
+    std::vector<SerialByte> bytes = second_of(host, {true, 100, 300 * kMs, 500 * kMs});
     kz_receiver receiver;
     kz_receiver_init(&receiver);
     States store_ended = 0;
     for (const SerialByte& byte : bytes) {
       if (store_ended != 0) {
-        EXPECT_GE(byte.at - store_ended, 25 * ms) << "seed " << seed;
+        EXPECT_GE(byte.at - store_ended, 25 * kMs) << "seed " << seed;
       }
       const bool whole = kz_receive(&receiver, byte.value, byte.framing_error) == KZ_RECEIVE_FRAME;
       store_ended = whole && receiver.body[1] == KZ_TYPE_store_calibration ? byte.at : 0;

@@ -14,7 +14,7 @@ struct Guest {
   const char* name;
   int rounds;
 };
-constexpr std::array<Guest, 3> guests{{{"crc", 600}, {"matrix", 700}, {"mix", 20'000}}};
+constexpr std::array<Guest, 3> kGuests{{{"crc", 600}, {"matrix", 700}, {"mix", 20'000}}};
 
 Result<h8s::Chip> guest_chip(const std::string& guest, const std::string& engine) {
   const std::string file = std::string(KAZ_H8S_GUESTS) + "/" + guest + ".coff";
@@ -99,7 +99,7 @@ Result<void> run_guest(const std::string& guest, const std::string& engine, int 
 
 std::vector<Group> emulator_groups() {
   std::vector<Group> groups;
-  for (const Guest& guest : guests) {
+  for (const Guest& guest : kGuests) {
     const std::string name = guest.name;
     groups.push_back(each_engine({"mcu.mips." + name, "mcu.mstates." + name},
                                  [&guest](const auto& settings, const auto& engine, auto& results) {

@@ -17,7 +17,7 @@
 namespace kaz::fuzz {
 namespace {
 
-constexpr const char* joint_names[KZ_JOINTS] = {
+constexpr const char* kJointNames[KZ_JOINTS] = {
 #define KZ_JOINT(index, name, pwm, port, bit, mux, input, sign, pot_centre) #name,
 #include "shared/board/joints.def"
 #undef KZ_JOINT
@@ -67,7 +67,7 @@ class BodyJudge {
     Joint& joint = joints_[j];
     const bool off = joint.off_ticks > kDriveLag;
     if (off && drive.powered && drive.duty != 0 && !violation_)
-      violation_ = std::string(joint_names[j]) + " is off, but its motor has duty " +
+      violation_ = std::string(kJointNames[j]) + " is off, but its motor has duty " +
                    std::to_string(drive.duty);
     const kz_joint& servo = servo_->joint[j];
     // The angle as the board would measure it without noise, by the calibration that it uses now.
@@ -91,7 +91,7 @@ class BodyJudge {
     if (joint.pushed_down_ms < kPushedMs) past = std::max(past, 1e-4 * (servo.lower - angle));
     worst_ = std::max(worst_, past);
     if (healthy_ && past > kLimitMargin && !violation_)
-      violation_ = std::string(joint_names[j]) + " was driven " + std::to_string(past) +
+      violation_ = std::string(kJointNames[j]) + " was driven " + std::to_string(past) +
                    " rad past its soft limit";
   }
 

@@ -20,9 +20,9 @@ std::uint32_t native_number(const std::uint8_t* at, std::size_t size) {
 }  // namespace
 
 kz_startup Shadow::startup() const {
-  const auto found = h8_->global("kz_startup_found", sim::h8_layout::startup_size);
+  const auto found = h8_->global("kz_startup_found", sim::h8_layout::kStartupSize);
   return sim::h8_layout::decode_startup(
-      std::span<const std::uint8_t, sim::h8_layout::startup_size>(found));
+      std::span<const std::uint8_t, sim::h8_layout::kStartupSize>(found));
 }
 
 bool Shadow::tick(const sim::TickRecord& record) {

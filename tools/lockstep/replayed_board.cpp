@@ -14,7 +14,7 @@
 namespace kaz::lockstep {
 namespace {
 
-constexpr std::size_t max_kept = 8;  // pairs that wait for the host, as sim::Eyes has it
+constexpr std::size_t kMaxKept = 8;  // pairs that wait for the host, as sim::Eyes has it
 
 std::string time_text(Time time) {
   char text[40];
@@ -99,7 +99,7 @@ Result<void> ReplayedBoard::step() {
   now_ = end;
   for (; exposed_ < run_.pairs.size() && run_.pairs[exposed_].exposure <= time(); ++exposed_) {
     arriving_.push_back(&run_.pairs[exposed_]);
-    if (arriving_.size() > max_kept) arriving_.pop_front();
+    if (arriving_.size() > kMaxKept) arriving_.pop_front();
   }
   return {};
 }

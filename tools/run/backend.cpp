@@ -325,7 +325,7 @@ namespace {
 // In force as after a reset.
 Result<void> put_memory(sim::Simulation& simulation, const std::string& hex) {
   if (hex.empty()) return {};
-  std::array<std::uint8_t, sim::Mcu::memory_size> bytes{};
+  std::array<std::uint8_t, sim::Mcu::kMemorySize> bytes{};
   bool valid = hex.size() == 2 * bytes.size();
   for (std::size_t i = 0; valid && i < bytes.size(); ++i) {
     const auto byte = parse_number<std::uint8_t>(std::string_view(hex).substr(2 * i, 2), 16);
@@ -417,12 +417,12 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
 }
 
 Result<std::string> read_memory(const std::string& path) {
-  const auto bytes = KAZ_TRY(read_whole_file(path, 2 * sim::Mcu::memory_size));
-  if (bytes.size() != sim::Mcu::memory_size)
+  const auto bytes = KAZ_TRY(read_whole_file(path, 2 * sim::Mcu::kMemorySize));
+  if (bytes.size() != sim::Mcu::kMemorySize)
     return fail(Fault::usage, path +
                                   ": the memory of a board, from `kaz sim --memory` or `kaz "
                                   "calibrate joints --memory`, must have " +
-                                  std::to_string(sim::Mcu::memory_size) + " bytes");
+                                  std::to_string(sim::Mcu::kMemorySize) + " bytes");
   return hex_text({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 

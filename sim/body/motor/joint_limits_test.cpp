@@ -19,30 +19,30 @@ namespace {
 
 using test::TestBoard;
 
-constexpr double unit = 1e-4;  // rad
+constexpr double kUnit = 1e-4;  // rad
 
 // One joint: a limb of some inertia on the motor of motor.xml, the rotor's own besides.
 class Limb {
  public:
   Limb(TestBoard& board, int joint, double inertia, double volts)
-      : board_(board), joint_(joint), inertia_(inertia), volts_(volts), motor_(params(), step_s) {
+      : board_(board), joint_(joint), inertia_(inertia), volts_(volts), motor_(params(), kStep_s) {
     board.input.analog[KZ_ANALOG_SUPPLY] = static_cast<u16>(volts * 1000 / 15);
-    put(state().angle * unit);
+    put(state().angle * kUnit);
   }
 
   void millisecond() {
     board_.tick();
     const double duty = kz_joint_drive(&state()) / 256.0;
-    for (int i = 0; i < steps; ++i) {
+    for (int i = 0; i < kSteps; ++i) {
       const auto row = motor_.prepare({duty, board_.drivers_on()}, volts_, angle_, speed_);
-      const double torque = std::clamp((row.velocity - speed_) / (row.softness + step_s / inertia_),
-                                       row.min, row.max);
-      speed_ += step_s / inertia_ * torque;
-      angle_ += step_s * speed_;
+      const double torque = std::clamp(
+          (row.velocity - speed_) / (row.softness + kStep_s / inertia_), row.min, row.max);
+      speed_ += kStep_s / inertia_ * torque;
+      angle_ += kStep_s * speed_;
       motor_.finish(speed_, torque);
     }
     put(angle_);
-    const double lower = state().lower * unit, upper = state().upper * unit;
+    const double lower = state().lower * kUnit, upper = state().upper * kUnit;
     overshoot_ = std::max({overshoot_, angle_ - upper, lower - angle_});
     fastest_ = std::max(fastest_, std::abs(speed_));
   }
@@ -59,8 +59,8 @@ class Limb {
   double angle() const { return angle_; }
 
  private:
-  static constexpr int steps = 4;
-  static constexpr double step_s = 1e-3 / steps;
+  static constexpr int kSteps = 4;
+  static constexpr double kStep_s = 1e-3 / kSteps;
   static MotorParams params() {
     return {.name = "",
             .stall_slope_nm_per_v = 0.2288,
@@ -74,7 +74,7 @@ class Limb {
   void put(double angle) {
     angle_ = angle;
     const double share =
-        (angle / unit - state().pot_centre) / static_cast<double>(state().pot_scale);
+        (angle / kUnit - state().pot_centre) / static_cast<double>(state().pot_scale);
     const double code = std::clamp(512 + 512 * share, 4.0, 1019.0);
     board_.set_pot(joint_, static_cast<u16>(code));
   }
@@ -86,9 +86,9 @@ class Limb {
   double angle_ = 0, speed_ = 0, overshoot_ = 0, fastest_ = 0;
 };
 
-constexpr int neck_pan = 0, r_hip_pitch = 15, r_knee = 16;
+constexpr int kNeckPan = 0, kRHipPitch = 15, kRKnee = 16;
 // From a head to a stretched leg about the hip.
-constexpr std::array<double, 4> inertias = {5e-4, 2e-3, 8e-3, 2e-2};
+constexpr std::array<double, 4> kInertias = {5e-4, 2e-3, 8e-3, 2e-2};
 
 // rad past the limit. Below 10 V the motor has less to brake with, and the heaviest limb goes further.
 double margin(double volts) {
@@ -97,8 +97,8 @@ double margin(double volts) {
 
 // Gains at their bounds, no damping, ramps at their bound, from one limit to the other.
 TEST(SoftLimits, HostileGainsDoNotDriveAJointPastThem) {
-  for (const int joint : {neck_pan, r_hip_pitch, r_knee}) {
-    for (const double inertia : inertias) {
+  for (const int joint : {kNeckPan, kRHipPitch, kRKnee}) {
+    for (const double inertia : kInertias) {
       for (const u16 kp : {u16{5120}, u16{KZ_KP_MAX}}) {
         TestBoard board;
         Limb limb(board, joint, inertia, 10);
@@ -124,8 +124,8 @@ TEST(SoftLimits, HostileGainsDoNotDriveAJointPastThem) {
 // Full raw drive, from where it reaches its highest speed.
 TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
   double worst = 0, fastest = 0;
-  for (const int joint : {neck_pan, r_hip_pitch, r_knee}) {
-    for (const double inertia : inertias) {
+  for (const int joint : {kNeckPan, kRHipPitch, kRKnee}) {
+    for (const double inertia : kInertias) {
       for (const double volts : {5.0, 10.0, 12.0}) {
         for (const s16 duty : {s16{255}, s16{-255}}) {
           TestBoard board;
@@ -139,8 +139,8 @@ TEST(SoftLimits, RawDriveDoesNotDriveAJointPastThem) {
           }
           EXPECT_LT(limb.overshoot(), margin(volts))
               << "joint " << joint << ", " << inertia << " kg m2, " << volts << " V, duty " << duty;
-          const double remaining = duty > 0 ? limb.state().upper * unit - limb.angle()
-                                            : limb.angle() - limb.state().lower * unit;
+          const double remaining = duty > 0 ? limb.state().upper * kUnit - limb.angle()
+                                            : limb.angle() - limb.state().lower * kUnit;
           EXPECT_LT(remaining, 0.1) << "it does not get there";
           worst = std::max(worst, limb.overshoot());
           fastest = std::max(fastest, limb.fastest());
@@ -164,13 +164,13 @@ TEST(Neck, RestsInTheBacklashOfItsGear) {
        {Gains{8 * 256, 614}, Gains{12 * 256, 614}, Gains{KZ_KP_DEFAULT, KZ_KD_DEFAULT}}) {
     for (const double inertia : {3e-5, 1e-4}) {
       TestBoard board;
-      Limb limb(board, neck_pan, inertia, 10);
+      Limb limb(board, kNeckPan, inertia, 10);
       board.ticks(10);
-      ASSERT_EQ(board.gains(1u << neck_pan, kp, kd), 0);
-      ASSERT_EQ(board.enable(1u << neck_pan), 0);
+      ASSERT_EQ(board.gains(1u << kNeckPan, kp, kd), 0);
+      ASSERT_EQ(board.enable(1u << kNeckPan), 0);
       double worst = 0;
       for (int i = 0; i < 20; ++i) {
-        board.target(neck_pan, static_cast<s16>(i * 137 - 1300), 100);
+        board.target(kNeckPan, static_cast<s16>(i * 137 - 1300), 100);
         limb.run(600);
         double min = limb.angle(), max = min;
         for (int ms = 0; ms < 400; ++ms) {

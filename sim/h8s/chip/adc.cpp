@@ -28,7 +28,7 @@ int Adc::source() const {
 }
 
 void Adc::update(Machine& m, States at) {
-  m.irq.set(vec::adi, adf_.has(ADCSR::ADF) && (adcsr_ & ADCSR::ADIE), at);
+  m.irq.set(vec::kAdi, adf_.has(ADCSR::ADF) && (adcsr_ & ADCSR::ADIE), at);
 }
 
 void Adc::start(Machine& m, States at) {
@@ -41,7 +41,7 @@ void Adc::start(Machine& m, States at) {
 }
 
 void Adc::trigger(Machine& m, unsigned source, States at) {
-  if (field<ADCR::TRGS>(adcr_) != source || (adcsr_ & ADCSR::ADST) || m.stopped(Stop_adc)) return;
+  if (field<ADCR::TRGS>(adcr_) != source || (adcsr_ & ADCSR::ADST) || m.stopped(kStopAdc)) return;
   start(m, at);
   m.rescheduled(Source::adc);
 }

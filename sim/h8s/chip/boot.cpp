@@ -60,7 +60,7 @@ void BootRom::enter(Machine& m, States at) {
   step_ = Step::measure;
   const unsigned n = channel(m);
   m.system.mstpcr =
-      static_cast<std::uint16_t>(m.system.mstpcr & ~(1u << (n == 0 ? Stop_sci0 : Stop_sci1)));
+      static_cast<std::uint16_t>(m.system.mstpcr & ~(1u << (n == 0 ? kStopSci0 : kStopSci1)));
   std::uint32_t mess = 0x2128;
   const auto fill = [&](std::uint32_t from, std::uint32_t to) {
     for (std::uint32_t a = from; a < to; ++a) {
@@ -77,7 +77,7 @@ void BootRom::enter(Machine& m, States at) {
 bool BootRom::is_possible() const {
   const bool loads = step_ != Step::load ||
                      (stored_ < expected_ && expected_ <= kBlock + kRam + kRamSize - kFirstRam);
-  const unsigned blocks = FlashControl::blocks + (pulse_from_ == kNever ? 1 : 0);
+  const unsigned blocks = FlashControl::kBlockCount + (pulse_from_ == kNever ? 1 : 0);
   return loads && block_ < blocks && wake_ >= 0 && sending_ >= -1 && sending_ <= 0xff &&
          answers_ >= 0 && answers_ <= 2;
 }
@@ -228,9 +228,9 @@ void BootRom::next_block(Machine& m, States at) {
   }
   // Any byte that is not 0xff starts the erasure of all blocks.
   bool blank = true;
-  for (unsigned n = 0; n < FlashControl::blocks; ++n) blank &= m.flash_control.blank(m, n);
-  while (block_ < FlashControl::blocks && m.flash_control.blank(m, block_)) ++block_;
-  if (blank || block_ == FlashControl::blocks) return finish(m, at);
+  for (unsigned n = 0; n < FlashControl::kBlockCount; ++n) blank &= m.flash_control.blank(m, n);
+  while (block_ < FlashControl::kBlockCount && m.flash_control.blank(m, block_)) ++block_;
+  if (blank || block_ == FlashControl::kBlockCount) return finish(m, at);
   const double verify = kVerifyWordUs * static_cast<double>(FlashControl::size_of(block_)) / 2;
   pulse_from_ = at + states(m, kAroundPulseUs);
   wake_ = pulse_from_ + states(m, kPulseUs + verify);

@@ -99,7 +99,7 @@ void Dtc::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
     if (!(value & DTVECR::SWDTE) && swdte_seen_) {
       dtvecr_ &= DTVECR::DTVEC;
       swdte_seen_ = ended_ = false;
-      m.irq.set(vec::swdtend, false, at);
+      m.irq.set(vec::kSwdtend, false, at);
     }
     return;
   }
@@ -120,7 +120,7 @@ void Dtc::divert(Machine& m) {
 }
 
 States Dtc::earliest(const Machine& m) const {
-  if (m.stopped(Stop_dtc)) return kNever;
+  if (m.stopped(kStopDtc)) return kNever;
   const int decision = m.options.dtc_decision_states;
   States at = m.irq.diverted_since();
   if (at != kNever) at += decision + 1;
@@ -148,7 +148,7 @@ bool Dtc::run(Machine& m) {
     const Outcome o = serve(m, number);
     if (o.ended) {
       ended_ = true;
-      m.irq.set(vec::swdtend, true, m.time());
+      m.irq.set(vec::kSwdtend, true, m.time());
     } else {
       dtvecr_ &= DTVECR::DTVEC;
       swdte_seen_ = false;
@@ -241,35 +241,35 @@ void Dtc::move(Machine& m, Block& b) {
 void Dtc::release(Machine& m, unsigned vector) {
   const States at = m.time();
   switch (vector) {
-    case vec::adi:
+    case vec::kAdi:
       if (result_read_) m.adc.taken_by_dtc(m, at);
       m.rescheduled(Source::adc);
       break;
-    case vec::eri0 + 1:
-    case vec::eri1 + 1: {
-      const unsigned n = vector == vec::eri0 + 1 ? 0 : 1;
+    case vec::kEri0 + 1:
+    case vec::kEri1 + 1: {
+      const unsigned n = vector == vec::kEri0 + 1 ? 0 : 1;
       if (rdr_read_[n]) m.sci[n].taken_by_dtc(m, n, at);
       break;
     }
-    case vec::eri0 + 2:
-    case vec::eri1 + 2: {
-      const unsigned n = vector == vec::eri0 + 2 ? 0 : 1;
+    case vec::kEri0 + 2:
+    case vec::kEri1 + 2: {
+      const unsigned n = vector == vec::kEri0 + 2 ? 0 : 1;
       if (tdr_written_[n]) m.sci[n].filled_by_dtc(m, n, at);
       m.rescheduled(n == 0 ? Source::sci0 : Source::sci1);
       break;
     }
-    case vec::icia:
-    case vec::icia + 1:
-    case vec::ocia:
-    case vec::ocib:
+    case vec::kIcia:
+    case vec::kIcia + 1:
+    case vec::kOcia:
+    case vec::kOcib:
       m.frt.taken_by_dtc(m, vector, at);
       m.rescheduled(Source::frt);
       break;
     default:
-      if (vector >= vec::cmiay) {
+      if (vector >= vec::kCmiay) {
         m.tmr_xy.taken_by_dtc(m, vector, at);
         m.rescheduled(Source::tmr_xy);
-      } else if (vector >= vec::cmia0) {
+      } else if (vector >= vec::kCmia0) {
         m.tmr.taken_by_dtc(m, vector, at);
         m.rescheduled(Source::tmr);
       } else {

@@ -67,13 +67,13 @@ void FlashControl::latch(Machine& m, std::uint32_t address, std::uint8_t value) 
     if (value != 0xff)
       m.misuse(address,
                "the dummy write for a verification read must write FF, but wrote another value");
-    require(m, verify_at_, flmcr1_ & FLMCR1::PV ? times::after_pv : times::after_ev, at,
+    require(m, verify_at_, flmcr1_ & FLMCR1::PV ? times::kAfterPv : times::kAfterEv, at,
             "dummy write too early after PV or EV was set");
     dummy_ = address & ~1u;
     dummy_at_ = at;
     return;
   }
-  require(m, swe_at_, times::after_swe, at, "flash written too early after SWE was set");
+  require(m, swe_at_, times::kAfterSwe, at, "flash written too early after SWE was set");
   const std::uint32_t line = address & ~31u;
   if (line != line_) latched_ = 0;
   line_ = line;
@@ -89,7 +89,7 @@ std::uint8_t FlashControl::read(Machine& m, std::uint32_t address, std::uint8_t 
   if (dummy_ != (address & ~1u))
     m.misuse(address, "verification read without an earlier dummy write to the same word");
   else
-    require(m, dummy_at_, times::after_dummy, at, "verification read too early after dummy write");
+    require(m, dummy_at_, times::kAfterDummy, at, "verification read too early after dummy write");
   return cell;
 }
 
@@ -105,7 +105,7 @@ void FlashControl::error(Machine& m, const char* text, States at) {
 // A weak pulse changes some of its cells, selected by the seed and the pulse's number.
 bool FlashControl::cell_moves(const Machine& m, std::uint32_t cell, double share) const {
   if (share >= 1) return true;
-  if (share < times::nothing_below) return false;
+  if (share < times::kNothingBelow) return false;
   const std::uint64_t r = mixed(m.options.flash_seed ^ mixed(cell) ^ std::uint64_t{pulses_} << 40);
   return static_cast<double>(r >> 11) * 0x1p-53 < share;
 }
@@ -155,8 +155,8 @@ void FlashControl::erase_block(Machine& m, unsigned n, double share) {
   FlashStatistics::Block& b = statistics.blocks[n];
   ++b.erase_pulses;
   if (share < 1) ++b.weak_pulses;
-  if (share < times::nothing_below || m.options.flash_worn_block == static_cast<int>(n)) return;
-  if (++b.erasures == times::endurance + 1)
+  if (share < times::kNothingBelow || m.options.flash_worn_block == static_cast<int>(n)) return;
+  if (++b.erasures == times::kEndurance + 1)
     m.misuse(io::EBR1, "flash block erased more than 100 times; the endurance is 100 erasures");
   std::uint8_t* p = m.memory_at(kBlocks[n]);
   const std::uint32_t size = kBlocks[n + 1] - kBlocks[n];
@@ -178,8 +178,8 @@ void FlashControl::end_pulse(Machine& m, States at) {
   ++pulses_;
   const bool writes = (flmcr1_ & FLMCR1::P) != 0;
   const double length = microseconds(m, at - pulse_start_);
-  const double min_us = writes ? times::program_least : times::erase_least;
-  const double max_us = writes ? times::program_most : times::erase_most;
+  const double min_us = writes ? times::kProgramLeast : times::kEraseLeast;
+  const double max_us = writes ? times::kProgramMost : times::kEraseMost;
   double share = 1;
   if (m.options.flash_timing) {
     share = length / min_us;
@@ -229,7 +229,7 @@ void FlashControl::write(Machine& m, std::uint32_t address, std::uint8_t value, 
                  "SWE changed by code in flash; code that changes SWE must run from RAM");
       if (begun & kPulse) {
         pulse_start_ = at;
-        require(m, setup_at_, begun & FLMCR1::P ? times::after_psu : times::after_esu, at,
+        require(m, setup_at_, begun & FLMCR1::P ? times::kAfterPsu : times::kAfterEsu, at,
                 "flash pulse begun too early after PSU or ESU was set");
       }
       if (begun & kVerify) verify_at_ = at;

@@ -17,13 +17,13 @@ class Machine;
 // hardware manual, flash memory programming and erasing flowcharts, non-A-mask part
 // (docs/explanation/emulator.md).
 namespace flash_times {
-inline constexpr double after_swe = 10, after_psu = 50, after_esu = 200, after_pv = 4,
-                        after_ev = 20, after_dummy = 2;
-inline constexpr double program_least = 150, program_most = 200;
-inline constexpr double erase_least = 5'000, erase_most = 10'000;
+inline constexpr double kAfterSwe = 10, kAfterPsu = 50, kAfterEsu = 200, kAfterPv = 4,
+                        kAfterEv = 20, kAfterDummy = 2;
+inline constexpr double kProgramLeast = 150, kProgramMost = 200;
+inline constexpr double kEraseLeast = 5'000, kEraseMost = 10'000;
 // A pulse shorter than this fraction of the minimum pulse changes no cell.
-inline constexpr double nothing_below = 0.125;
-inline constexpr int endurance = 100;  // number of erasures that a block endures
+inline constexpr double kNothingBelow = 0.125;
+inline constexpr int kEndurance = 100;  // number of erasures that a block endures
 }  // namespace flash_times
 
 class FlashControl {
@@ -48,7 +48,7 @@ class FlashControl {
   // Applies an erase pulse to one block. `share` is the pulse length as a fraction of a full pulse. If
   // `share` is below 1, only some cells or no cells change.
   void erase_block(Machine& m, unsigned block, double share);
-  static constexpr unsigned blocks = 10;
+  static constexpr unsigned kBlockCount = 10;
   static std::uint32_t size_of(unsigned block);
   bool blank(Machine& m, unsigned block) const;
   // Must be called at a reset or power cut. If a pulse is running, the pulse has a partial effect.

@@ -26,11 +26,11 @@ void Frt::update(Machine& m, States at) {
   const unsigned active = flags_.value() & tier_ & (kCaptures | kCounts);
   unsigned levels = 0;
   for (unsigned n = 0; n < 7; ++n) levels |= (active >> (7 - n) & 1u) << n;
-  m.irq.set_all(vec::icia, 7, levels, at);
+  m.irq.set_all(vec::kIcia, 7, levels, at);
 }
 
 void Frt::taken_by_dtc(Machine& m, unsigned vector, States at) {
-  flags_.drop(static_cast<std::uint8_t>(FRT_TCSR::ICFA >> (vector - vec::icia)));
+  flags_.drop(static_cast<std::uint8_t>(FRT_TCSR::ICFA >> (vector - vec::kIcia)));
   update(m, at);
 }
 
@@ -65,7 +65,7 @@ void Frt::advance(Machine& m, States to) {
   const States d = divisor();
   if (d == 0) return;
   const States target = (to - m.epoch) / d;
-  const bool stopped = m.stopped(Stop_frt);
+  const bool stopped = m.stopped(kStopFrt);
   if (stopped) {
     tick_ = target;
     return;
@@ -114,7 +114,7 @@ States Frt::next_change(States epoch, unsigned output) const {
 }
 
 void Frt::clock_edge(Machine& m, States at) {
-  if (divisor() != 0 || m.stopped(Stop_frt)) return;
+  if (divisor() != 0 || m.stopped(kStopFrt)) return;
   step(m, 1, at);
   update(m, at);
 }
@@ -128,7 +128,7 @@ bool Frt::captures_edge(unsigned n, bool rising) const {
 }
 
 void Frt::capture_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_frt) || !captures_edge(n, rising)) return;
+  if (m.stopped(kStopFrt) || !captures_edge(n, rising)) return;
   advance(m, at);
   if (n == 3 && masked_) return;
   if (n == 0 && (tcr_ & FRT_TCR::BUFEA)) icr_[2] = icr_[0];

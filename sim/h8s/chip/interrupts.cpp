@@ -9,8 +9,8 @@ namespace kaz::h8s {
 namespace {
 
 // ICR register (0..2 for A..C) and bit of each vector; 0xff: none.
-constexpr std::array<std::uint8_t, vec::count> icr_bits() {
-  std::array<std::uint8_t, vec::count> t{};
+constexpr std::array<std::uint8_t, vec::kCount> icr_bits() {
+  std::array<std::uint8_t, vec::kCount> t{};
   for (auto& e : t) e = 0xff;
   auto give = [&t](unsigned from, unsigned to, unsigned reg, unsigned bit) {
     for (unsigned v = from; v <= to; ++v) t[v] = static_cast<std::uint8_t>(reg * 8 + bit);
@@ -84,7 +84,7 @@ bool Interrupts::priority(unsigned vector) const {
 }
 
 bool Interrupts::acceptable(unsigned vector, std::uint8_t control, bool two_level) const {
-  if (vector == vec::nmi) return true;
+  if (vector == vec::kNmi) return true;
   if (!(control & CCR::I)) return true;
   return two_level && !(control & CCR::UI) && priority(vector);
 }
@@ -108,7 +108,7 @@ Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, boo
       const States from = since_[v] + decision + 1;
       choice.earliest = std::min(choice.earliest, from);
       if (boundary < from) continue;
-      if (v == vec::nmi || priority(v)) {
+      if (v == vec::kNmi || priority(v)) {
         choice.vector = v;
         return choice;
       }
@@ -119,13 +119,13 @@ Interrupts::Choice Interrupts::choose(States boundary, std::uint8_t control, boo
 }
 
 void Interrupts::accepted(unsigned vector, States at) {
-  if (vector == vec::nmi) set(vector, false, at);
-  if (vector == vec::address_break) {
+  if (vector == vec::kNmi) set(vector, false, at);
+  if (vector == vec::kAddressBreak) {
     abrkcr_ &= ~ABRKCR::CMF;
     set(vector, false, at);
   }
-  if (vector < vec::irq0 || vector >= vec::irq0 + 3) return;
-  const unsigned n = vector - vec::irq0;
+  if (vector < vec::kIrq0 || vector >= vec::kIrq0 + 3) return;
+  const unsigned n = vector - vec::kIrq0;
   if (sense(n) != 0 || (irq_level_ >> n & 1)) isr_.drop(static_cast<std::uint8_t>(1u << n));
   update_irq(at);
 }
@@ -134,7 +134,7 @@ void Interrupts::update_irq(States at) {
   for (unsigned n = 0; n < 3; ++n) {
     const auto bit = static_cast<std::uint8_t>(1u << n);
     if (sense(n) == 0 && !(irq_level_ & bit)) isr_.raise(bit);
-    set(vec::irq0 + n, (isr_.value() & ier_ & bit) != 0, at);
+    set(vec::kIrq0 + n, (isr_.value() & ier_ & bit) != 0, at);
   }
 }
 
@@ -149,7 +149,7 @@ void Interrupts::set_irq_pin(unsigned n, bool level, States at) {
 }
 
 void Interrupts::set_nmi_pin(bool level, bool rising_edge, States at) {
-  if (level != nmi_level_ && level == rising_edge) set(vec::nmi, true, at);
+  if (level != nmi_level_ && level == rising_edge) set(vec::kNmi, true, at);
   nmi_level_ = level;
 }
 
@@ -203,7 +203,7 @@ bool Interrupts::write(std::uint32_t address, std::uint8_t value, States at) {
       abrkcr_ = (abrkcr_ & ABRKCR::CMF) | (value & ABRKCR::BIE);
       if (!(value & ABRKCR::BIE)) {
         abrkcr_ = 0;
-        set(vec::address_break, false, at);
+        set(vec::kAddressBreak, false, at);
       }
       break;
     case io::BARA:

@@ -16,10 +16,11 @@ namespace kaz::h8s {
 
 // Vector numbers (hardware manual, exception vector table).
 namespace vec {
-inline constexpr unsigned nmi = 7, irq0 = 16, swdtend = 24, wovi0 = 25, wovi1 = 26,
-                          address_break = 27, adi = 28, icia = 48, ocia = 52, ocib = 53, fovi = 54,
-                          cmia0 = 64, cmia1 = 68, cmiay = 72, icix = 75, eri0 = 80, eri1 = 84;
-inline constexpr unsigned count = 104;
+inline constexpr unsigned kNmi = 7, kIrq0 = 16, kSwdtend = 24, kWovi0 = 25, kWovi1 = 26,
+                          kAddressBreak = 27, kAdi = 28, kIcia = 48, kOcia = 52, kOcib = 53,
+                          kFovi = 54, kCmia0 = 64, kCmia1 = 68, kCmiay = 72, kIcix = 75, kEri0 = 80,
+                          kEri1 = 84;
+inline constexpr unsigned kCount = 104;
 }  // namespace vec
 
 class Interrupts {
@@ -53,7 +54,7 @@ class Interrupts {
   // bits I and UI.
   bool any_unmasked(std::uint8_t control, bool two_level) const {
     if ((pending_[0] | pending_[1]) == 0) return false;
-    return !(control & CCR::I) || two_level || (pending_[0] >> vec::nmi & 1) != 0;
+    return !(control & CCR::I) || two_level || (pending_[0] >> vec::kNmi & 1) != 0;
   }
   // Decision whether the CPU accepts an interrupt at an instruction boundary.
   struct Choice {
@@ -92,7 +93,7 @@ class Interrupts {
     const std::uint32_t bar = std::uint32_t{bar_[0]} << 16 | std::uint32_t{bar_[1]} << 8 | bar_[2];
     if (pc != bar) return;
     abrkcr_ |= ABRKCR::CMF;
-    set(vec::address_break, true, at);
+    set(vec::kAddressBreak, true, at);
   }
 
   // Register accesses. `address` contains only the low 16 bits of the address. These functions return nullopt
@@ -110,9 +111,9 @@ class Interrupts {
       const auto in = [vector](const std::array<std::uint64_t, 2>& bits) {
         return (bits[vector / 64] >> (vector % 64) & 1) != 0;
       };
-      const bool is_requested = vector < vec::count && requested(vector);
+      const bool is_requested = vector < vec::kCount && requested(vector);
       a.require(in(raw_) == is_requested && (in(raw_) || !in(pending_)) &&
-                    (vector < vec::count || !in(diverted_)),
+                    (vector < vec::kCount || !in(diverted_)),
                 "interrupt");
     }
   }
@@ -124,10 +125,10 @@ class Interrupts {
   unsigned sense(unsigned n) const { return iscrl_ >> (2 * n) & ISCRL::IRQ0SC; }
   void update_irq(States at);
 
-  std::array<States, vec::count> since_ = filled();  // time of each request; kNever: no request
-  std::array<std::uint64_t, 2> raw_{};               // all requests
-  std::array<std::uint64_t, 2> diverted_{};          // sources whose requests go to the DTC
-  std::array<std::uint64_t, 2> pending_{};           // requests to the CPU: raw_ without diverted_
+  std::array<States, vec::kCount> since_ = filled();  // time of each request; kNever: no request
+  std::array<std::uint64_t, 2> raw_{};                // all requests
+  std::array<std::uint64_t, 2> diverted_{};           // sources whose requests go to the DTC
+  std::array<std::uint64_t, 2> pending_{};            // requests to the CPU: raw_ without diverted_
   bool raised_ = false;
   std::array<std::uint8_t, 3> icr_{};
   StickyFlags isr_;
@@ -137,8 +138,8 @@ class Interrupts {
   std::uint8_t irq_level_ = 7;
   bool nmi_level_ = true;
 
-  static std::array<States, vec::count> filled() {
-    std::array<States, vec::count> a;
+  static std::array<States, vec::kCount> filled() {
+    std::array<States, vec::kCount> a;
     a.fill(kNever);
     return a;
   }

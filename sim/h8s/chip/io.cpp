@@ -38,34 +38,34 @@ constexpr bool within(std::uint32_t a, std::uint32_t first, std::uint32_t last) 
 // Resolves the register banks selected by STCR, TCONRS and others (hardware manual, register list).
 constexpr Place find_place(std::uint32_t a, std::uint8_t stcr) {
   const bool iice = (stcr & STCR::IICE) != 0, flshe = (stcr & STCR::FLSHE) != 0;
-  if (a == io::KBCOMP) return {Unit::adc, Stop_adc};
+  if (a == io::KBCOMP) return {Unit::adc, kStopAdc};
   if (within(a, io::ICRA, io::ISCRL) || within(a, io::ABRKCR, io::BARC) || a == io::IER)
     return {Unit::interrupts};
   if (within(a, io::FLMCR1, io::MSTPCRL)) {
     if (flshe) return {a <= io::EBR2 ? Unit::flash : Unit::none};
-    if (a == io::PCSR) return {Unit::pwm_clock, Stop_pwm};
+    if (a == io::PCSR) return {Unit::pwm_clock, kStopPwm};
     return {a >= io::SYSCR2 ? Unit::system : Unit::none};
   }
   if (within(a, io::SMR1, io::ICMR1) || within(a, io::SMR0, io::ICMR0)) {
     const std::uint8_t n = a >= io::SMR0 ? 0 : 1, offset = a % 8;
     const bool iic = iice && (offset <= Sci::kBrr || offset >= Sci::kScmr);
     if (iic || offset > Sci::kScmr) return {Unit::absent};
-    return {Unit::sci, n == 0 ? std::int8_t{Stop_sci0} : std::int8_t{Stop_sci1}, n};
+    return {Unit::sci, n == 0 ? std::int8_t{kStopSci0} : std::int8_t{kStopSci1}, n};
   }
-  if (within(a, io::TIER, io::ICRD16 + 1)) return {Unit::frt, Stop_frt};
+  if (within(a, io::TIER, io::ICRD16 + 1)) return {Unit::frt, kStopFrt};
   if (within(a, io::WTCSR0, io::WTCNT0)) return {Unit::wdt, -1, 0};
   if (within(a, io::WTCSR1, io::WTCNT1)) return {Unit::wdt, -1, 1};
   if (within(a, io::P1PCR, io::P3PCR) || within(a, io::P1DDR, io::P6DR) || a == io::P7PIN)
     return {Unit::ports};
   if (within(a, io::STCR, io::WSCR)) return {Unit::system};
-  if (within(a, io::TCR0, io::TCNT1)) return {Unit::tmr, Stop_tmr};
+  if (within(a, io::TCR0, io::TCNT1)) return {Unit::tmr, kStopTmr};
   if (within(a, io::TCRX, io::TCORBX) || within(a, io::TCONRI, io::SEDGR))
-    return {Unit::tmr_xy, Stop_tmrxy};
+    return {Unit::tmr_xy, kStopTmrxy};
   if (iice && (within(a, io::DADRA, io::DADRA + 1) || within(a, io::DADRB, io::DADRB + 1)))
-    return {Unit::pwmx, Stop_pwm};
-  if (within(a, io::PWOERB, io::PWDR)) return {Unit::pwm, Stop_pwm};
-  if (within(a, io::ADDRA, io::ADCR)) return {Unit::adc, Stop_adc};
-  if (within(a, io::DTCERA, io::DTVECR)) return {Unit::dtc, Stop_dtc};
+    return {Unit::pwmx, kStopPwm};
+  if (within(a, io::PWOERB, io::PWDR)) return {Unit::pwm, kStopPwm};
+  if (within(a, io::ADDRA, io::ADCR)) return {Unit::adc, kStopAdc};
+  if (within(a, io::DTCERA, io::DTVECR)) return {Unit::dtc, kStopDtc};
   if (a == io::DDCSWR) return {Unit::absent};
   return {};
 }
@@ -511,10 +511,10 @@ void Machine::set_module_stop(std::uint16_t value, States at) {
   const auto entered = static_cast<std::uint16_t>(value & ~system.mstpcr);
   system.mstpcr = value;
   find_frequent();
-  if (entered >> Stop_sci0 & 1) sci[0].reset(*this, 0, at);
-  if (entered >> Stop_sci1 & 1) sci[1].reset(*this, 1, at);
-  if (entered >> Stop_adc & 1) adc.reset(*this, at);
-  if (entered >> Stop_pwm & 1) {
+  if (entered >> kStopSci0 & 1) sci[0].reset(*this, 0, at);
+  if (entered >> kStopSci1 & 1) sci[1].reset(*this, 1, at);
+  if (entered >> kStopAdc & 1) adc.reset(*this, at);
+  if (entered >> kStopPwm & 1) {
     pwm.reset();
     pwmx.reset();
     notify(OutputChange::Unit::port, 1, at);

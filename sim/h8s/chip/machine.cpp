@@ -237,11 +237,11 @@ void Machine::pin_edge(unsigned port, unsigned bit, bool rising, States at) {
     case 0:
       if (rising) frt.clock_edge(*this, at);
       tmr.clock_edge(*this, 0, rising, at);
-      tmr_xy.pin_edge(*this, TmrXY::x, rising, at);
+      tmr_xy.pin_edge(*this, TmrXY::kX, rising, at);
       break;
     case 2:
       frt.capture_edge(*this, 0, rising, at);
-      tmr_xy.pin_edge(*this, TmrXY::y, rising, at);
+      tmr_xy.pin_edge(*this, TmrXY::kY, rising, at);
       break;
     case 3:
       frt.capture_edge(*this, 1, rising, at);

@@ -38,10 +38,10 @@ namespace kaz::h8s {
 constexpr unsigned mstp(unsigned high, unsigned low = 0) {
   return static_cast<unsigned>(std::countr_zero(high << 8 | low));
 }
-inline constexpr unsigned Stop_dtc = mstp(MSTPCRH::DTC), Stop_frt = mstp(MSTPCRH::FRT),
-                          Stop_tmr = mstp(MSTPCRH::TMR01), Stop_pwm = mstp(MSTPCRH::PWM),
-                          Stop_adc = mstp(MSTPCRH::ADC), Stop_tmrxy = mstp(MSTPCRH::TMRXY),
-                          Stop_sci0 = mstp(0, MSTPCRL::SCI0), Stop_sci1 = mstp(0, MSTPCRL::SCI1);
+inline constexpr unsigned kStopDtc = mstp(MSTPCRH::DTC), kStopFrt = mstp(MSTPCRH::FRT),
+                          kStopTmr = mstp(MSTPCRH::TMR01), kStopPwm = mstp(MSTPCRH::PWM),
+                          kStopAdc = mstp(MSTPCRH::ADC), kStopTmrxy = mstp(MSTPCRH::TMRXY),
+                          kStopSci0 = mstp(0, MSTPCRL::SCI0), kStopSci1 = mstp(0, MSTPCRL::SCI1);
 
 // Callbacks of the chip's user. An empty function means no callback.
 struct Listeners {

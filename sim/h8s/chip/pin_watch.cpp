@@ -85,11 +85,11 @@ States next_pin_change(const Machine& m, Pin pin, States at) {
       return bit == 0 || bit == 5 ? m.sci[port == 5 ? 0 : 1].txd_change(at)
                                   : m.sci[port == 5 ? 0 : 1].sck_change(at);
     case Driver::frt:
-      return m.stopped(Stop_frt) ? kNever : m.frt.next_change(m.epoch, bit == 1 ? 0 : 1);
+      return m.stopped(kStopFrt) ? kNever : m.frt.next_change(m.epoch, bit == 1 ? 0 : 1);
     case Driver::tmr:
       if (bit == 7 && m.tmr_xy.drives())
-        return m.stopped(Stop_tmrxy) ? kNever : m.tmr_xy.next_change(m);
-      return m.stopped(Stop_tmr) ? kNever : m.tmr.next_change(m, bit == 4 ? 0 : 1);
+        return m.stopped(kStopTmrxy) ? kNever : m.tmr_xy.next_change(m);
+      return m.stopped(kStopTmr) ? kNever : m.tmr.next_change(m, bit == 4 ? 0 : 1);
     default:
       return kNever;
   }

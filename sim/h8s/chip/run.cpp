@@ -10,7 +10,7 @@
 namespace kaz::h8s {
 namespace {
 
-constexpr auto of_adc = static_cast<unsigned>(Source::adc);
+constexpr auto kOfAdc = static_cast<unsigned>(Source::adc);
 
 std::string hex6(std::uint32_t value) {
   char text[16];
@@ -45,11 +45,11 @@ States Machine::event_of(Source source) {
     case Source::adc:
       return adc_event();
     case Source::frt:
-      return stopped(Stop_frt) ? kNever : frt.next_event(epoch);
+      return stopped(kStopFrt) ? kNever : frt.next_event(epoch);
     case Source::tmr:
-      return stopped(Stop_tmr) ? kNever : tmr.next_event(*this);
+      return stopped(kStopTmr) ? kNever : tmr.next_event(*this);
     case Source::tmr_xy:
-      return stopped(Stop_tmrxy) ? kNever : tmr_xy.next_event(*this);
+      return stopped(kStopTmrxy) ? kNever : tmr_xy.next_event(*this);
     case Source::pins:
       return pins.active() ? pins.next_event(*this) : kNever;
     case Source::boot:
@@ -94,9 +94,9 @@ void Machine::find_events() {
 }
 
 void Machine::first_events() {
-  States event = kNever, stop = stops_[of_adc];
+  States event = kNever, stop = stops_[kOfAdc];
   unsigned first = kSources;
-  for (unsigned left = with_event_ & ~(1u << of_adc); left != 0; left &= left - 1) {
+  for (unsigned left = with_event_ & ~(1u << kOfAdc); left != 0; left &= left - 1) {
     const auto k = static_cast<unsigned>(std::countr_zero(left));
     if (events_[k] < event) {
       event = events_[k];
@@ -108,7 +108,7 @@ void Machine::first_events() {
   other_event_ = event;
   other_first_ = first;
   next_stop_ = stop;
-  next_event_ = std::min(event, events_[of_adc]);
+  next_event_ = std::min(event, events_[kOfAdc]);
 }
 
 void Machine::rescheduled(Source source) {
@@ -149,13 +149,13 @@ void Machine::run_events(States to) {
   if (events_known_ && next_event_ > to) return;
   for (;;) {
     know_events();
-    if (other_event_ > to || events_[of_adc] < other_event_) {
-      if (events_[of_adc] > to) break;
+    if (other_event_ > to || events_[kOfAdc] < other_event_) {
+      if (events_[kOfAdc] > to) break;
       run_conversions(std::min(to, other_event_ - 1));
       continue;
     }
     const unsigned first =
-        events_[of_adc] == other_event_ ? std::min(other_first_, of_adc) : other_first_;
+        events_[kOfAdc] == other_event_ ? std::min(other_first_, kOfAdc) : other_first_;
     const auto source = static_cast<Source>(first);
     processing_ = events_[first];
     advance(source, processing_);
@@ -181,7 +181,7 @@ void Machine::run_conversions(States to) {
   adc.run_events(*this, to, processing_, rescheduled_);
   if (!events_known_) return;
   const States event = event_of(Source::adc);
-  set_event(of_adc, event, stop_for(Source::adc, event));
+  set_event(kOfAdc, event, stop_for(Source::adc, event));
   stale_ = true;
 }
 

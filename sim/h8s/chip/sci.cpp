@@ -35,7 +35,7 @@ std::uint8_t Sci::on_wire(std::uint8_t byte) const {
 }
 
 void Sci::update(Machine& m, unsigned n, States at) {
-  const unsigned base = n == 0 ? vec::eri0 : vec::eri1;
+  const unsigned base = n == 0 ? vec::kEri0 : vec::kEri1;
   unsigned levels = 0;
   if (scr_ & SCR::RIE)
     levels |= (flags_.has(kErrors) ? 1u : 0u) | (flags_.has(SSR::RDRF) ? 2u : 0u);

@@ -26,7 +26,7 @@ void Sci::take(Machine& m, unsigned n, const ReceivedByte& arrived) {
     byte.value = heard.value;
     byte.framing_error |= heard.framing_error;
   }
-  if (!(scr_ & SCR::RE) || m.stopped(n == 0 ? Stop_sci0 : Stop_sci1) || flags_.has(kErrors)) return;
+  if (!(scr_ & SCR::RE) || m.stopped(n == 0 ? kStopSci0 : kStopSci1) || flags_.has(kErrors)) return;
   if (multiprocessor() && (scr_ & SCR::MPIE)) {
     if (!byte.multiprocessor) return;
     scr_ &= ~SCR::MPIE;
@@ -48,7 +48,7 @@ void Sci::rxd_edge(Machine& m, unsigned n, bool level, bool driven, States at) {
   if (m.boot.measuring() && driven && level != rxd_ &&
       n == static_cast<unsigned>(m.options.boot_channel))
     m.boot.edge(m, level, at);
-  if (m.stopped(n == 0 ? Stop_sci0 : Stop_sci1)) {
+  if (m.stopped(n == 0 ? kStopSci0 : kStopSci1)) {
     rxd_ = level;
     rxd_driven_ = driven;
     return;

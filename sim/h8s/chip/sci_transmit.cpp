@@ -98,7 +98,7 @@ void Sci::send_tick(Machine& m, unsigned n, States at) {
 }
 
 void Sci::sck_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (!outside_clock() || m.stopped(n == 0 ? Stop_sci0 : Stop_sci1)) return;
+  if (!outside_clock() || m.stopped(n == 0 ? kStopSci0 : kStopSci1)) return;
   advance(m, n, at);
   if (synchronous()) {
     if (!rising) {

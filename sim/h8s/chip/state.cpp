@@ -28,7 +28,7 @@ void Machine::transfer_cpu(A& a) {
     cpu.fault_address, cpu.fault_pc, cpu.jumps);
   a.require(cpu.mask == (cpu.normal ? 0xffffU : 0xffffffU) &&
                 cpu.flash_size == (cpu.normal ? 0xe000U : kFlashSize) &&
-                (cpu.ram_size == 0 || cpu.ram_size == kRamSize) && cpu.request < vec::count,
+                (cpu.ram_size == 0 || cpu.ram_size == kRamSize) && cpu.request < vec::kCount,
             "CPU");
   a.require(cpu.now >= 0 && cpu.now <= kMaxNow && cpu.stall >= 0 && cpu.stall <= kMaxNow, "time");
   if (!a.good()) return;

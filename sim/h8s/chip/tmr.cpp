@@ -46,14 +46,14 @@ States Tmr::divisor(const Machine& m, unsigned n) const {
 
 void Tmr::update(Machine& m, unsigned n, States at) {
   const unsigned active = timer_[n].requests();
-  m.irq.set_all(n == 0 ? vec::cmia0 : vec::cmia1, 3,
+  m.irq.set_all(n == 0 ? vec::kCmia0 : vec::kCmia1, 3,
                 (active & TMR_TCSR::CMFA ? 1u : 0u) | (active & TMR_TCSR::CMFB ? 2u : 0u) |
                     (active & TMR_TCSR::OVF ? 4u : 0u),
                 at);
 }
 
 void Tmr::taken_by_dtc(Machine& m, unsigned vector, States at) {
-  const unsigned n = vector >= vec::cmia1 ? 1 : 0;
+  const unsigned n = vector >= vec::kCmia1 ? 1 : 0;
   timer_[n].flags.drop(vector & 1 ? TMR_TCSR::CMFB : TMR_TCSR::CMFA);
   update(m, n, at);
 }
@@ -115,7 +115,7 @@ void Tmr::advance_one(Machine& m, unsigned n, States to) {
 }
 
 void Tmr::advance(Machine& m, States to) {
-  if (m.stopped(Stop_tmr)) {
+  if (m.stopped(kStopTmr)) {
     clock_changed(m, to);
     return;
   }
@@ -161,13 +161,13 @@ void Tmr::clock_changed(Machine& m, States at) {
 }
 
 void Tmr::clock_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_tmr) || !timer_[n].counts_edge(rising)) return;
+  if (m.stopped(kStopTmr) || !timer_[n].counts_edge(rising)) return;
   advance(m, at);
   step(m, n, 1, at);
 }
 
 void Tmr::reset_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_tmr) || !rising || timer_[n].clear() != Timer8::Clear::on_pin) return;
+  if (m.stopped(kStopTmr) || !rising || timer_[n].clear() != Timer8::Clear::on_pin) return;
   if (n == 1 && cascaded(0)) return;
   advance(m, at);
   timer_[n].count = 0;
@@ -214,7 +214,7 @@ double mean_level(const Wave& w, bool level, std::uint8_t selection) {
 double Tmr::high_share(Machine& m, unsigned n) const {
   const Timer8 &t = timer_[n], &lower = timer_[1];
   const auto still = [&] { return t.level ? 1.0 : 0.0; };
-  if (divisor(m, cascaded(n) ? 1 - n : n) == 0 || m.stopped(Stop_tmr)) return still();
+  if (divisor(m, cascaded(n) ? 1 - n : n) == 0 || m.stopped(kStopTmr)) return still();
   Wave wave{static_cast<int>(t.turn()), static_cast<int>(t.turn()), t.tcora + 1, t.tcorb + 1};
   if (cascaded(0)) {
     const Timer8& upper = timer_[0];
@@ -255,7 +255,7 @@ void Tmr::write(Machine& m, std::uint32_t address, std::uint8_t value, States at
   const unsigned n = address & 1, which = address & ~1u;
   Timer8& t = timer_[n];
   const auto advance_this = [&](States to) {
-    const bool alone = !cascaded(0) && !cascaded(1) && which != io::TCR0 && !m.stopped(Stop_tmr);
+    const bool alone = !cascaded(0) && !cascaded(1) && which != io::TCR0 && !m.stopped(kStopTmr);
     alone ? advance_one(m, n, to) : advance(m, to);
   };
   // Up to the state of the write itself, where a write wins over a count and suppresses a match.

@@ -15,9 +15,9 @@ States TmrXY::divisor(unsigned n) const {
 }
 
 void TmrXY::update(Machine& m, States at) {
-  const unsigned active = timer_[y].requests();
-  const bool measured = timer_[x].flags.has(TMR_TCSR::ICF) && icie_;
-  m.irq.set_all(vec::cmiay, 4,
+  const unsigned active = timer_[kY].requests();
+  const bool measured = timer_[kX].flags.has(TMR_TCSR::ICF) && icie_;
+  m.irq.set_all(vec::kCmiay, 4,
                 (active & TMR_TCSR::CMFA ? 1u : 0u) | (active & TMR_TCSR::CMFB ? 2u : 0u) |
                     (active & TMR_TCSR::OVF ? 4u : 0u) | (measured ? 8u : 0u),
                 at);
@@ -43,9 +43,9 @@ void TmrXY::advance_one(Machine& m, unsigned n, States to) {
 }
 
 void TmrXY::advance(Machine& m, States to) {
-  if (!m.stopped(Stop_tmrxy)) {
-    advance_one(m, x, to);
-    advance_one(m, y, to);
+  if (!m.stopped(kStopTmrxy)) {
+    advance_one(m, kX, to);
+    advance_one(m, kY, to);
     return;
   }
   for (unsigned n = 0; n < 2; ++n) {
@@ -55,47 +55,48 @@ void TmrXY::advance(Machine& m, States to) {
 
 // Only TMRY's matches and overflow can interrupt. A clear may come first, so each crossing is checked.
 States TmrXY::next_event(const Machine& m) const {
-  const Timer8& t = timer_[y];
-  const States d = divisor(y);
+  const Timer8& t = timer_[kY];
+  const States d = divisor(kY);
   if (d == 0 || (t.tcr & ~t.flags.value() & Timer8::kFlags) == 0) return kNever;
   return m.epoch + (t.tick + t.to_next()) * d;
 }
 
 States TmrXY::next_change(const Machine& m) const {
-  const States d = divisor(x);
-  const std::int64_t counts = timer_[x].to_next_change();
-  return d == 0 || counts == kNever ? kNever : m.epoch + (timer_[x].tick + counts) * d;
+  const States d = divisor(kX);
+  const std::int64_t counts = timer_[kX].to_next_change();
+  return d == 0 || counts == kNever ? kNever : m.epoch + (timer_[kX].tick + counts) * d;
 }
 
 // TCONRI.ICST arms one measurement: the rising edge into TICRR, the falling one after it into TICRF.
 void TmrXY::capture(bool rising) {
   if (!(tconri_ & TCONRI::ICST)) return;
   if (rising) {
-    ticrr_ = timer_[x].count;
+    ticrr_ = timer_[kX].count;
     rose_ = true;
   } else if (rose_) {
-    ticrf_ = timer_[x].count;
+    ticrf_ = timer_[kX].count;
     rose_ = false;
     tconri_ &= ~TCONRI::ICST;
-    timer_[x].flags.raise(TMR_TCSR::ICF);
+    timer_[kX].flags.raise(TMR_TCSR::ICF);
   }
 }
 
 void TmrXY::pin_edge(Machine& m, unsigned n, bool rising, States at) {
-  if (m.stopped(Stop_tmrxy) || (n == y && !(tisr_ & TISR::IS))) return;
+  if (m.stopped(kStopTmrxy) || (n == kY && !(tisr_ & TISR::IS))) return;
   advance(m, at);
   if (timer_[n].counts_edge(rising)) timer_[n].step(1);
-  if (n == x) capture(rising);
+  if (n == kX) capture(rising);
   if (rising && timer_[n].clear() == Timer8::Clear::on_pin) timer_[n].count = 0;
   update(m, at);
 }
 
 bool TmrXY::waits_for_input() const {
-  return (timer_[y].waits_for_clock() && (tisr_ & TISR::IS)) || (icie_ && (tconri_ & TCONRI::ICST));
+  return (timer_[kY].waits_for_clock() && (tisr_ & TISR::IS)) ||
+         (icie_ && (tconri_ & TCONRI::ICST));
 }
 
 std::uint8_t TmrXY::peek(std::uint32_t address) const {
-  const Timer8& t = timer_[bank_y() ? y : x];
+  const Timer8& t = timer_[bank_y() ? kY : kX];
   switch (address) {
     case io::TCRX:
       return t.tcr;
@@ -110,9 +111,9 @@ std::uint8_t TmrXY::peek(std::uint32_t address) const {
     case io::TCORC:
       return bank_y() ? tisr_ : tcorc_;
     case io::TCORAX:
-      return timer_[x].tcora;
+      return timer_[kX].tcora;
     case io::TCORBX:
-      return timer_[x].tcorb;
+      return timer_[kX].tcorb;
     case io::TCONRI:
       return tconri_;
     case io::TCONRO:
@@ -126,21 +127,21 @@ std::uint8_t TmrXY::peek(std::uint32_t address) const {
 
 std::uint8_t TmrXY::read(Machine& m, std::uint32_t address, States at) {
   advance(m, at);
-  if (address == io::TCSRX) timer_[bank_y() ? y : x].flags.read();
+  if (address == io::TCSRX) timer_[bank_y() ? kY : kX].flags.read();
   return peek(address);
 }
 
 void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, States at) {
-  const unsigned n = bank_y() ? y : x;
+  const unsigned n = bank_y() ? kY : kX;
   Timer8& t = timer_[n];
-  if (n == x && (address == io::TICRR || address == io::TICRF)) {
+  if (n == kX && (address == io::TICRR || address == io::TICRF)) {
     m.misuse(address, "write to an input capture register of TMRX, which is read-only");
     return;
   }
   advance(m, at - 1);  // in the state of the write itself the write wins
-  std::uint8_t* const compare = address == (n == x ? io::TCORAX : io::TCORAY)   ? &t.tcora
-                                : address == (n == x ? io::TCORBX : io::TCORBY) ? &t.tcorb
-                                                                                : nullptr;
+  std::uint8_t* const compare = address == (n == kX ? io::TCORAX : io::TCORAY)   ? &t.tcora
+                                : address == (n == kX ? io::TCORBX : io::TCORBY) ? &t.tcorb
+                                                                                 : nullptr;
   if (compare) *compare = static_cast<std::uint8_t>(~t.count);
   if (address != io::TCNTX) advance(m, at);
   const bool drove = drives();
@@ -150,15 +151,15 @@ void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, S
       break;
     case io::TCSRX:
       t.flags.write(
-          static_cast<std::uint8_t>(n == x ? value | TMR_TCSR::OS : value | ~Timer8::kFlags));
+          static_cast<std::uint8_t>(n == kX ? value | TMR_TCSR::OS : value | ~Timer8::kFlags));
       t.tcsr_low = value & TMR_TCSR::OS;
-      if (n == y) icie_ = (value & TMR_TCSR::ICIE) != 0;
+      if (n == kY) icie_ = (value & TMR_TCSR::ICIE) != 0;
       break;
     case io::TCNTX:
       t.count = value;
       break;
     case io::TCORC:
-      if (n == x)
+      if (n == kX)
         tcorc_ = value;
       else
         tisr_ = value | TISR::ONE;
@@ -171,7 +172,7 @@ void TmrXY::write_timer(Machine& m, std::uint32_t address, std::uint8_t value, S
       break;
   }
   if (const States d = divisor(n)) t.tick = (at - m.epoch) / d;
-  if (n == x && (drove || drives())) m.notify(OutputChange::Unit::port, 6, at);
+  if (n == kX && (drove || drives())) m.notify(OutputChange::Unit::port, 6, at);
 }
 
 void TmrXY::write_connection(Machine& m, std::uint32_t address, std::uint8_t value) {

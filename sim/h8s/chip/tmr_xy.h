@@ -18,7 +18,7 @@ class Machine;
 // misuse.
 class TmrXY {
  public:
-  static constexpr unsigned x = 0, y = 1;
+  static constexpr unsigned kX = 0, kY = 1;
 
   // Register accesses: TCRX..TCORBX (banked by TCONRS.TMRX/Y) and TCONRI..SEDGR.
   std::uint8_t read(Machine& m, std::uint32_t address, States at);
@@ -27,7 +27,7 @@ class TmrXY {
 
   // Must be called after the DTC has served the request of TMRY's compare match A or B.
   void taken_by_dtc(Machine& m, unsigned vector, States at) {
-    timer_[y].flags.drop(vector & 1 ? TMR_TCSR::CMFB : TMR_TCSR::CMFA);
+    timer_[kY].flags.drop(vector & 1 ? TMR_TCSR::CMFB : TMR_TCSR::CMFA);
     update(m, at);
   }
 
@@ -38,8 +38,8 @@ class TmrXY {
   void pin_edge(Machine& m, unsigned n, bool rising, States at);
 
   // TMRX drives TMOX while any OS bit is set.
-  bool drives() const { return timer_[x].drives(); }
-  bool level() const { return timer_[x].level; }
+  bool drives() const { return timer_[kX].drives(); }
+  bool level() const { return timer_[kX].level; }
   // Returns the earliest time at which a match can change level(). The function ignores matches that
   // advance() has already applied.
   States next_change(const Machine& m) const;

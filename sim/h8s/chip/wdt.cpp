@@ -26,7 +26,7 @@ std::int64_t Wdt::ticks(const Machine& m, unsigned n, States at) const {
 
 void Wdt::update(Machine& m, unsigned n, States at) {
   const bool interval = (tcsr_ & WTCSR::WTIT) == 0;
-  m.irq.set(n == 0 ? vec::wovi0 : vec::wovi1, interval && ovf_.has(WTCSR::OVF), at);
+  m.irq.set(n == 0 ? vec::kWovi0 : vec::kWovi1, interval && ovf_.has(WTCSR::OVF), at);
 }
 
 void Wdt::advance(Machine& m, unsigned n, States to) {
@@ -47,7 +47,7 @@ void Wdt::advance(Machine& m, unsigned n, States to) {
   if (tcsr_ & WTCSR::RSTNMI)
     m.watchdog_reset = true;
   else
-    m.irq.set(vec::nmi, true, at);
+    m.irq.set(vec::kNmi, true, at);
 }
 
 // An interval timer whose flag is already set has no further event.

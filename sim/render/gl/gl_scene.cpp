@@ -26,7 +26,7 @@ Result<GlScene> GlScene::create(const Gl& gl, const SceneModel& model) {
   if (Result<void> built = scene.build_programs(); !built) return tl::unexpected(built.error());
   scene.upload_geometry();
   scene.upload_textures();
-  for (const int texels : {lighting::eye_shadow_texels, lighting::picture_shadow_texels}) {
+  for (const int texels : {lighting::kEyeShadowTexels, lighting::kPictureShadowTexels}) {
     Result<void> made = scene.make_shadow_map(texels);
     if (!made) return tl::unexpected(made.error());
   }
@@ -47,7 +47,7 @@ Result<void> GlScene::build_programs() {
     program->use();
     program->set_sampler("pattern", 0);
     program->set_sampler("shadow_map", 1);
-    program->set("shadow_texel", 1.0 / lighting::picture_shadow_texels);
+    program->set("shadow_texel", 1.0 / lighting::kPictureShadowTexels);
   }
   Result<GlProgram> depth = GlProgram::build(*gl_, depth_vertex_shader(), depth_fragment_shader());
   if (!depth) return tl::unexpected(depth.error());

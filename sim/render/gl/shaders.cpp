@@ -37,14 +37,14 @@ std::string constant(const char* name, const lighting::Light3& v) {
 }
 
 std::string horizon() {
-  return constant("horizon", lighting::horizon) + constant("zenith", lighting::zenith) +
-         constant("haze_m2", lighting::haze_m2);
+  return constant("horizon", lighting::kHorizon) + constant("zenith", lighting::kZenith) +
+         constant("haze_m2", lighting::kHaze_m2);
 }
 
 std::string lights() {
-  return constant("key_light", lighting::key) + constant("sky_light", lighting::sky) +
-         constant("ground_light", lighting::ground) + constant("to_fill", lighting::to_fill) +
-         constant("fill", lighting::fill) + constant("highlight", lighting::highlight) + R"(
+  return constant("key_light", lighting::kKey) + constant("sky_light", lighting::kSky) +
+         constant("ground_light", lighting::kGround) + constant("to_fill", lighting::kToFill) +
+         constant("fill", lighting::kFill) + constant("highlight", lighting::kHighlight) + R"(
 // Ambient and fill light.
 vec3 shaded_light(vec3 n) {
   return mix(ground_light, sky_light, 0.5 * n.z + 0.5) + fill * max(dot(n, to_fill), 0.0);
@@ -54,9 +54,9 @@ vec3 shaded_light(vec3 n) {
 
 std::string taps() {
   std::string text =
-      constant("soft_texels", lighting::soft_texels) + "const vec2 taps[12] = vec2[](";
-  for (const auto& tap : lighting::taps) {
-    text += std::string(&tap == &lighting::taps[0] ? "" : ", ") + "vec2(" + number(tap[0]) + ", " +
+      constant("soft_texels", lighting::kSoftTexels) + "const vec2 taps[12] = vec2[](";
+  for (const auto& tap : lighting::kTaps) {
+    text += std::string(&tap == &lighting::kTaps[0] ? "" : ", ") + "vec2(" + number(tap[0]) + ", " +
             number(tap[1]) + ")";
   }
   return text + ");\n";

@@ -26,35 +26,35 @@ namespace kaz::sim::lighting {
 
 using Light3 = std::array<float, 3>;
 
-inline constexpr Light3 horizon{0.66F, 0.68F, 0.70F};
-inline constexpr Light3 zenith{0.20F, 0.29F, 0.42F};
-inline constexpr Light3 key{0.76F, 0.73F, 0.67F};
-inline constexpr Light3 sky{0.36F, 0.38F, 0.41F};
-inline constexpr Light3 ground{0.16F, 0.145F, 0.13F};
-inline constexpr Light3 to_fill{0.38F, 0.76F, 0.53F};
-inline constexpr float fill = 0.10F;
-inline constexpr float highlight = 0.16F;
-inline constexpr float haze_m2 = 28.0F;
+inline constexpr Light3 kHorizon{0.66F, 0.68F, 0.70F};
+inline constexpr Light3 kZenith{0.20F, 0.29F, 0.42F};
+inline constexpr Light3 kKey{0.76F, 0.73F, 0.67F};
+inline constexpr Light3 kSky{0.36F, 0.38F, 0.41F};
+inline constexpr Light3 kGround{0.16F, 0.145F, 0.13F};
+inline constexpr Light3 kToFill{0.38F, 0.76F, 0.53F};
+inline constexpr float kFill = 0.10F;
+inline constexpr float kHighlight = 0.16F;
+inline constexpr float kHaze_m2 = 28.0F;
 
 // Positions of the shadow map samples for soft shadows, relative to the shaded point, in units of
-// `soft_texels` texels.
-inline constexpr std::array<std::array<float, 2>, 12> taps{{{-0.33F, -0.84F},
-                                                            {0.52F, -0.77F},
-                                                            {-0.84F, -0.27F},
-                                                            {-0.20F, -0.36F},
-                                                            {0.29F, -0.14F},
-                                                            {0.90F, -0.22F},
-                                                            {-0.58F, 0.21F},
-                                                            {0.05F, 0.29F},
-                                                            {0.62F, 0.34F},
-                                                            {-0.79F, 0.60F},
-                                                            {-0.19F, 0.83F},
-                                                            {0.42F, 0.86F}}};
-inline constexpr float soft_texels = 3.0F;
+// `kSoftTexels` texels.
+inline constexpr std::array<std::array<float, 2>, 12> kTaps{{{-0.33F, -0.84F},
+                                                             {0.52F, -0.77F},
+                                                             {-0.84F, -0.27F},
+                                                             {-0.20F, -0.36F},
+                                                             {0.29F, -0.14F},
+                                                             {0.90F, -0.22F},
+                                                             {-0.58F, 0.21F},
+                                                             {0.05F, 0.29F},
+                                                             {0.62F, 0.34F},
+                                                             {-0.79F, 0.60F},
+                                                             {-0.19F, 0.83F},
+                                                             {0.42F, 0.86F}}};
+inline constexpr float kSoftTexels = 3.0F;
 
 // Side lengths of the shadow maps in texels, including the ring of free texels. The rendering of a picture
 // pair for the eyes must not take more than 4 ms. Therefore the shadow map for the eyes is smaller than the
 // map for supersampled pictures.
-inline constexpr int eye_shadow_texels = 512, picture_shadow_texels = 2048;
+inline constexpr int kEyeShadowTexels = 512, kPictureShadowTexels = 2048;
 
 }  // namespace kaz::sim::lighting

@@ -300,7 +300,7 @@ static inline void fill(Vertices& v, const Batch& batch, const Projection& p, Ta
   const FillJob job{v, target, primitives, batch.surface};
   for (std::uint32_t i = 0; i < batch.count; i += 3) {
     const std::uint32_t a = batch.indices[i], b = batch.indices[i + 1], c = batch.indices[i + 2];
-    const std::int32_t all = v.outside[a] & v.outside[b] & v.outside[c] & ~out_of_range;
+    const std::int32_t all = v.outside[a] & v.outside[b] & v.outside[c] & ~kOutOfRange;
     if (all != 0) continue;
     if (((v.outside[a] | v.outside[b] | v.outside[c]) & kMustClip) != 0) {
       fill_clipped(job, p, {a, b, c});

@@ -39,13 +39,13 @@ static inline void prepare(const Vertices& v, const Shading& s, Primitive& p) {
   const auto facing = [&](const Three& l) {
     return std::max(n[0] * l[0] + n[1] * l[1] + n[2] * l[2], 0.0F);
   };
-  const float up = 0.5F * n[2] + 0.5F, filled = lighting::fill * facing(lighting::to_fill);
+  const float up = 0.5F * n[2] + 0.5F, filled = lighting::kFill * facing(lighting::kToFill);
   const float key = facing(s.to_key) * s.key_gain;
   for (std::size_t k = 0; k < 3; ++k) {
     const float ambient =
-        lighting::ground[k] + (lighting::sky[k] - lighting::ground[k]) * up + filled;
+        lighting::kGround[k] + (lighting::kSky[k] - lighting::kGround[k]) * up + filled;
     p.shaded[k] = tint[k] * ambient * s.shaded_gain;
-    p.key[k] = tint[k] * lighting::key[k] * key;
+    p.key[k] = tint[k] * lighting::kKey[k] * key;
   }
 }
 
@@ -94,7 +94,7 @@ KAZ_LANES_INLINE Ints packed(Ints r, Ints g, Ints b) {
   return r | (g << 8) | (b << 16) | static_cast<std::int32_t>(0xFF000000U);
 }
 KAZ_LANES_INLINE Ints hazy(Floats r, Floats g, Floats b, Floats haze) {
-  const auto& h = lighting::horizon;
+  const auto& h = lighting::kHorizon;
   return packed(code_of(r + (h[0] - r) * haze), code_of(g + (h[1] - g) * haze),
                 code_of(b + (h[2] - b) * haze));
 }
@@ -129,9 +129,9 @@ KAZ_LANES_INLINE Floats lit(const Row& row, Floats x, Floats z) {
   const Floats depth = larger(smaller(at(2), splat(65535.0F)), splat(0.0F));
   if (!s.soft) return lit_at(*s.shadow, sx, sy, depth);
   Floats sum = splat(0.0F);
-  for (const auto& tap : lighting::taps)
-    sum = sum + lit_at(*s.shadow, sx + tap[0] * lighting::soft_texels,
-                       sy + tap[1] * lighting::soft_texels, depth);
+  for (const auto& tap : lighting::kTaps)
+    sum = sum + lit_at(*s.shadow, sx + tap[0] * lighting::kSoftTexels,
+                       sy + tap[1] * lighting::kSoftTexels, depth);
   return sum * (1.0F / 12.0F);
 }
 
@@ -146,7 +146,7 @@ static inline void shade_background(const Row& row, int first, int end, std::uin
     const Floats up = larger(smaller(z / root(ray_square(row, x)), splat(1.0F)), splat(0.0F));
     const Floats t = up * (2.0F - up);
     const auto channel = [&](std::size_t k) {
-      return code_of(lighting::horizon[k] + (lighting::zenith[k] - lighting::horizon[k]) * t);
+      return code_of(lighting::kHorizon[k] + (lighting::kZenith[k] - lighting::kHorizon[k]) * t);
     };
     store(codes + at, packed(channel(0), channel(1), channel(2)));
   }
@@ -197,16 +197,16 @@ static inline void shade_plain(const Row& row, int first, int end, const RowScra
     const Vector3 half{view.x + s.to_key[0], view.y + s.to_key[1], view.z + s.to_key[2]};
     Floats shine = larger(dot(n, half) / root(dot(half, half)), zero);
     for (int k = 0; k < 5; ++k) shine = shine * shine;
-    shine = lighting::highlight * shine * key;
+    shine = lighting::kHighlight * shine * key;
     const Floats up = 0.5F * n.z + 0.5F;
-    const Floats filled = lighting::fill * larger(dot(n, lighting::to_fill), zero);
+    const Floats filled = lighting::kFill * larger(dot(n, lighting::kToFill), zero);
     const auto channel = [&](std::size_t k) {
       const Floats ambient =
-          lighting::ground[k] + (lighting::sky[k] - lighting::ground[k]) * up + filled;
-      const Floats light = ambient * s.shaded_gain + lighting::key[k] * key;
+          lighting::kGround[k] + (lighting::kSky[k] - lighting::kGround[k]) * up + filled;
+      const Floats light = ambient * s.shaded_gain + lighting::kKey[k] * key;
       return load(&scratch.tint[k][i]) * light + shine;
     };
-    const Floats haze = distance2 / (distance2 + lighting::haze_m2);
+    const Floats haze = distance2 / (distance2 + lighting::kHaze_m2);
     store(codes + at, hazy(channel(0), channel(1), channel(2), haze));
   }
 }
@@ -401,7 +401,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
     const Floats w = t.plane.at[2] + t.plane.by[2] * dx;
     // Divisions are slow. Therefore the code divides only once: `both = 1 / (w * sum)`. Then `both * sum` is
     // `1 / w`, and `both * w` is `1 / sum`.
-    const Floats q = ray_square(row, x), near = lighting::haze_m2 * square(w), sum = q + near;
+    const Floats q = ray_square(row, x), near = lighting::kHaze_m2 * square(w), sum = q + near;
     const Floats both = 1.0F / (w * sum), z = both * sum, share = both * w;
     const Floats u = (t.plane.at[0] + t.plane.by[0] * dx) * z;
     const Floats v = (t.plane.at[1] + t.plane.by[1] * dx) * z;
@@ -415,7 +415,7 @@ static inline void shade_textured(const Row& row, const Primitive& p, const Text
     const Floats clear = near * share * (1.0F / (255.0F * 255.0F)), haze = q * share;
     const auto channel = [&](std::size_t k, Floats code) {
       return code_of(square(code) * (p.shaded[k] + p.key[k] * key) * clear +
-                     lighting::horizon[k] * haze);
+                     lighting::kHorizon[k] * haze);
     };
     store(codes + at, packed(channel(0, texel.r), channel(1, texel.g), channel(2, texel.b)));
   }

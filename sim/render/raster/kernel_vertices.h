@@ -43,13 +43,13 @@ static inline void project(Vertices& v, VertexRange range, const Projection& p) 
     const Floats px = p.focal_x * row_times(m, x, y, z) * w + p.centre_x;
     const Floats py = p.focal_y * row_times(m + 4, x, y, z) * w + p.centre_y;
     const Floats cx = within_range(px), cy = within_range(py);
-    Ints outside = (behind & out_near) | ((forward > p.far) & out_far);
-    outside |= ((px < 0.0F) & out_left) | ((px > p.width) & out_right);
-    outside |= ((py < 0.0F) & out_top) | ((py > p.height) & out_bottom);
-    outside |= ((cx != px) | (cy != py)) & out_of_range;
+    Ints outside = (behind & kOutNear) | ((forward > p.far) & kOutFar);
+    outside |= ((px < 0.0F) & kOutLeft) | ((px > p.width) & kOutRight);
+    outside |= ((py < 0.0F) & kOutTop) | ((py > p.height) & kOutBottom);
+    outside |= ((cx != px) | (cy != py)) & kOutOfRange;
     // If a point is nearer than `p.near` or behind the eye, `px` and `py` are not its true position in the
-    // picture. Therefore such a point gets only the bit out_near.
-    outside = behind ? splat_int(out_near) : outside;
+    // picture. Therefore such a point gets only the bit kOutNear.
+    outside = behind ? splat_int(kOutNear) : outside;
     store(&v.px[i], snap(cx));
     store(&v.py[i], snap(cy));
     store(&v.w[i], w);

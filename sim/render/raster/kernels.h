@@ -32,15 +32,15 @@ struct Vertices {
   std::vector<std::array<float, 3>> tint;  // color as linear light
   std::vector<std::int32_t> px, py;        // position in the picture, 1/256 sample
   std::vector<float> w;                    // depth of each vertex, 1 / z
-  std::vector<std::int32_t> outside;       // combination of the bits out_left etc.
+  std::vector<std::int32_t> outside;       // combination of the bits kOutLeft etc.
 };
 
 // Bits of Vertices::outside. Each bit means that the vertex is beyond one plane of the view frustum.
-inline constexpr std::int32_t out_left = 1, out_right = 2, out_top = 4, out_bottom = 8;
-inline constexpr std::int32_t out_near = 16, out_far = 32;
+inline constexpr std::int32_t kOutLeft = 1, kOutRight = 2, kOutTop = 4, kOutBottom = 8;
+inline constexpr std::int32_t kOutNear = 16, kOutFar = 32;
 // The magnitude of a coordinate in the picture is above kRange.
-inline constexpr std::int32_t out_of_range = 64;
-inline constexpr std::int32_t kMustClip = out_near | out_far | out_of_range;
+inline constexpr std::int32_t kOutOfRange = 64;
+inline constexpr std::int32_t kMustClip = kOutNear | kOutFar | kOutOfRange;
 inline constexpr int kRange = 1 << 14;  // largest magnitude of a fixed-point coordinate, in samples
 
 struct VertexRange {

@@ -116,7 +116,7 @@ void RasterRenderer::draw_shadow_map(const ScenePose& pose, const Eigen::Vector3
     return;  // drawn already for the other eye of the pair
   map.pose = pose.frames;
   map.to_key = to_key;
-  const int side = soft ? lighting::picture_shadow_texels : lighting::eye_shadow_texels;
+  const int side = soft ? lighting::kPictureShadowTexels : lighting::kEyeShadowTexels;
   const ShadowView view = fit_shadow_view(scene_->model.pieces, pose, side, to_key);
   map.texel_m = 2 / (view.clip_from_world.block<1, 3>(0, 0).norm() * side);
   map.texels_from_world =

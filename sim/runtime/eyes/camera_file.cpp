@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "shared/base/angle.hpp"
 #include "shared/base/bounded_json.hpp"
 #include "shared/base/files.hpp"
 #include "sim/render/camera.h"
@@ -13,8 +13,6 @@
 
 namespace kaz::sim {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 // Target member and bounds of a number; `unit` converts from the file's unit. The bounds exclude what the
 // rest does not support: pictures too large for the published stream, fisheye lenses.
@@ -76,12 +74,12 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
   const Entry entries[] = {
       {"width", 16, 4096, true, &width},
       {"height", 16, 4096, true, &height},
-      {"horizontal_view_deg", 10, 150, true, &eye.rectified_view_rad, degree},
+      {"horizontal_view_deg", 10, 150, true, &eye.rectified_view_rad, kDegree},
       {"rate_hz", 0.5, 500, true, &camera.rate_hz},
       {"latency_s", 0, 1, true, &camera.latency_s},
       {"jitter_s", 0, 0.1, false, &camera.jitter_s},
       {"unit", 0, 1e9, false, &unit},
-      {"lens_view_deg", 10, 150, false, &eye.lens_view_rad, degree},
+      {"lens_view_deg", 10, 150, false, &eye.lens_view_rad, kDegree},
       {"k1", -2, 2, false, &eye.distortion[0]},
       {"k2", -2, 2, false, &eye.distortion[1]},
       {"p1", -0.1, 0.1, false, &eye.distortion[2]},

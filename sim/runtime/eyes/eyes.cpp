@@ -14,8 +14,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::size_t max_under_way = 3;  // rendering jobs in flight
-constexpr std::size_t max_kept = 8;       // pairs queued for the host
+constexpr std::size_t kMaxUnderWay = 3;  // rendering jobs in flight
+constexpr std::size_t kMaxKept = 8;      // pairs queued for the host
 
 // Delivered if rendering failed; the simulation's next step returns the error.
 vision::Image black(const vision::CameraModel& camera) {
@@ -97,7 +97,7 @@ Result<void> Eyes::look(Time now, const std::function<ScenePose()>& pose) {
   while (!under_way_.empty() && done(under_way_.front())) under_way_.pop_front();
   if (now < exposure_time(sequence_)) return {};
 
-  if (under_way_.size() >= max_under_way) {
+  if (under_way_.size() >= kMaxUnderWay) {
     if (policy_ == FramePolicy::drop) {
       ++left_out_;
       ++sequence_;
@@ -158,7 +158,7 @@ void Eyes::expose(Time now, ScenePose pose) {
   pair.images = images->get_future().share();
   const Time arrival = arrival_time(now);
   arriving_.emplace_back(arrival, std::move(pair));
-  if (arriving_.size() > max_kept) arriving_.pop_front();
+  if (arriving_.size() > kMaxKept) arriving_.pop_front();
 
   const std::shared_future<Drawn> outcome = drawn->get_future().share();
   under_way_.push_back(outcome);

@@ -18,8 +18,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
-constexpr std::size_t head_size = 9;  // opcode and length
+constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr std::size_t kHeadSize = 9;  // opcode and length
 
 enum Opcode : std::uint8_t {
   op_invalid = 0x00,
@@ -54,21 +54,21 @@ class Loader {
 
   // The data section: records up to the data end or the truncation. The summary behind it is redundant.
   Result<void> load() {
-    for (std::size_t at = magic.size(); file_.size() - at >= head_size;) {
+    for (std::size_t at = kMagic.size(); file_.size() - at >= kHeadSize;) {
       const Bytes rest = file_.subspan(at);
       const Record record = head_of(rest);
       record_at_ = at;
-      if ((record.opcode == op_header) != (at == magic.size()))
+      if ((record.opcode == op_header) != (at == kMagic.size()))
         return malformed("the header is missing or not the first record");
       // The last record of a truncated file may end beyond it, but not by more than a file can hold.
-      if (record.length > McapRecording::max_bytes)
+      if (record.length > McapRecording::kMaxBytes)
         return malformed("a record of " + std::to_string(record.length) + " bytes is too long");
-      if (record.length > rest.size() - head_size) return {};
+      if (record.length > rest.size() - kHeadSize) return {};
       const auto length = static_cast<std::size_t>(record.length);
-      const Bytes content = rest.subspan(head_size, length);
+      const Bytes content = rest.subspan(kHeadSize, length);
       if (record.opcode == op_data_end) return data_end(content);
       if (auto done = top_level(record.opcode, content); !done) return done;
-      at += head_size + length;
+      at += kHeadSize + length;
     }
     return {};
   }
@@ -144,7 +144,7 @@ class Loader {
     if (!to_.topics.contains(message.channel))
       return malformed("a message belongs to channel " + std::to_string(message.channel) +
                        ", which is not defined");
-    if (message.time_ns > McapRecording::max_time_ns)
+    if (message.time_ns > McapRecording::kMaxTime_ns)
       return malformed("the time of a message is " + std::to_string(message.time_ns) +
                        " ns, more than a year after the start");
     if (message.time_ns < first_ns_ || message.time_ns > last_ns_)
@@ -165,8 +165,8 @@ class Loader {
       if (!map.good()) return malformed("metadata entries do not match their length");
       if (!to_.facts.try_emplace(key, value).second)
         return malformed("a metadata entry occurs twice");
-      if (to_.facts.size() > McapRecording::max_facts)
-        return malformed("more than " + std::to_string(McapRecording::max_facts) +
+      if (to_.facts.size() > McapRecording::kMaxFacts)
+        return malformed("more than " + std::to_string(McapRecording::kMaxFacts) +
                          " metadata entries");
     }
     return {};
@@ -201,15 +201,15 @@ class Loader {
 
   Result<void> chunk_content(Bytes inside) {
     while (!inside.empty()) {
-      if (inside.size() < head_size) return malformed("a chunk ends within a record");
+      if (inside.size() < kHeadSize) return malformed("a chunk ends within a record");
       const Record record = head_of(inside);
-      if (record.length > inside.size() - head_size)
+      if (record.length > inside.size() - kHeadSize)
         return malformed("a chunk ends within a record");
       if (record.opcode != op_schema && record.opcode != op_channel && record.opcode != op_message)
         return malformed("a chunk contains a record of type " + std::to_string(record.opcode));
       const auto length = static_cast<std::size_t>(record.length);
-      if (auto done = datum(record.opcode, inside.subspan(head_size, length)); !done) return done;
-      inside = inside.subspan(head_size + length);
+      if (auto done = datum(record.opcode, inside.subspan(kHeadSize, length)); !done) return done;
+      inside = inside.subspan(kHeadSize + length);
     }
     return {};
   }
@@ -233,7 +233,7 @@ class Loader {
 };
 
 bool has_magic(Bytes bytes) {
-  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+  return bytes.size() >= kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
 }
 
 tl::unexpected<Error> no_mcap(const std::string& name) {
@@ -242,7 +242,7 @@ tl::unexpected<Error> no_mcap(const std::string& name) {
 
 tl::unexpected<Error> too_large(const std::string& name) {
   return fail(Fault::usage, name + ": is larger than the maximum of " +
-                                std::to_string(McapRecording::max_bytes >> 30) +
+                                std::to_string(McapRecording::kMaxBytes >> 30) +
                                 " GiB; record a shorter run");
 }
 
@@ -267,7 +267,7 @@ std::uint64_t McapRecording::end_ns() const {
 }
 
 Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name) {
-  if (bytes.size() > max_bytes) return too_large(name);
+  if (bytes.size() > kMaxBytes) return too_large(name);
   if (!has_magic(bytes)) return no_mcap(name);
   McapRecording recording;
   KAZ_TRY(Loader(recording, bytes, name).load());
@@ -278,7 +278,7 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
   const auto file = KAZ_TRY(open_input(path, "give a recording"));
   std::error_code no_size;
   const auto size = std::filesystem::file_size(path, no_size);
-  if (!no_size && size > max_bytes) return too_large(path);
+  if (!no_size && size > kMaxBytes) return too_large(path);
   std::vector<std::uint8_t> bytes;
   if (!no_size) bytes.reserve(size);
   // In blocks: a file that is not MCAP is not read to its end.
@@ -287,12 +287,12 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
     const ssize_t n = ::read(file.get(), block.data(), block.size());
     if (n < 0 && errno == EINTR) continue;
     if (n < 0)
-      return fail(Fault::usage, path + ": cannot be read (" + std::strerror(errno) +
-                                    "); give a recording");
+      return fail(Fault::usage,
+                  path + ": cannot be read (" + std::strerror(errno) + "); give a recording");
     if (n == 0) break;
     bytes.insert(bytes.end(), block.begin(), block.begin() + n);
     if (!has_magic(bytes)) return no_mcap(path);
-    if (bytes.size() > max_bytes) return too_large(path);
+    if (bytes.size() > kMaxBytes) return too_large(path);
   }
   return parse(bytes, path);
 }

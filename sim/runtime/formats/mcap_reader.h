@@ -21,14 +21,14 @@ namespace kaz::sim {
 struct McapRecording {
   // Limits (docs/reference/recording.md). The recording is kept in memory. During load(), the bytes of the
   // file are in memory, too.
-  static constexpr std::uint64_t max_bytes = std::uint64_t{2} << 30;
-  static constexpr std::size_t max_facts = 10'000;
+  static constexpr std::uint64_t kMaxBytes = std::uint64_t{2} << 30;
+  static constexpr std::size_t kMaxFacts = 10'000;
   // Key of an entry in `facts`. If a signal interrupted the run, the value of this entry is the name of the
   // signal.
   static constexpr const char* kInterrupted = "interrupted";
   // Limit of message times: one year, which is longer than any run. Times up to this
   // limit can be converted to crystal periods (time.h) without overflow.
-  static constexpr std::uint64_t max_time_ns = 366ull * 24 * 3600 * 1'000'000'000;
+  static constexpr std::uint64_t kMaxTime_ns = 366ull * 24 * 3600 * 1'000'000'000;
 
   struct Message {
     std::uint16_t channel = 0;
@@ -51,7 +51,7 @@ struct McapRecording {
   // Returns the time of the latest message, or 0 without messages.
   std::uint64_t end_ns() const;
 
-  // Reads a file. Returns Fault::usage if the file is missing, is not an MCAP file, is larger than max_bytes,
+  // Reads a file. Returns Fault::usage if the file is missing, is not an MCAP file, is larger than kMaxBytes,
   // is malformed, or is compressed. The error message is one sentence that names the file.
   static Result<McapRecording> load(const std::string& path);
   // Parses the contents of a file, with the same errors as load(). `name` is the file name for error

@@ -18,7 +18,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
 enum Opcode : std::uint8_t {
   op_header = 0x01,
@@ -71,7 +71,7 @@ Result<std::unique_ptr<McapWriter>> McapWriter::create(const std::string& path,
   writer->digest_ = EVP_MD_CTX_new();
   if (!writer->digest_ || EVP_DigestInit_ex(writer->digest_, EVP_sha256(), nullptr) != 1)
     return fail(Fault::environment, "OpenSSL has no SHA-256; check the libssl installation");
-  writer->put_bytes(magic);
+  writer->put_bytes(kMagic);
   writer->content_.clear();
   LittleEndian(writer->content_).text("").text(library);
   writer->put(op_header, writer->content_);
@@ -158,7 +158,7 @@ void McapWriter::add_message(std::uint16_t channel, std::uint64_t time_ns,
       .number(time_ns)  // when it was recorded
       .number(time_ns)  // when it was published
       .bytes(data);
-  if (chunk_.size() >= chunk_bytes) end_chunk();
+  if (chunk_.size() >= kChunkBytes) end_chunk();
 }
 
 void McapWriter::end_chunk() {
@@ -275,7 +275,7 @@ Result<std::string> McapWriter::finish() {
   LittleEndian(head).number(std::uint8_t{op_footer}).number(std::uint64_t{20});
   footer.number(crc_of(content_, crc_of(head, crc_)));
   put(op_footer, content_);
-  put_bytes(magic);
+  put_bytes(kMagic);
   if (write_error_ == 0) errno = 0;
   file_.close();
   if (!file_)

@@ -37,7 +37,7 @@ class MessageTap {
 class McapWriter {
  public:
   using Metadata = std::vector<std::pair<std::string, std::string>>;
-  static constexpr std::size_t chunk_bytes = 1 << 20;
+  static constexpr std::size_t kChunkBytes = 1 << 20;
 
   // Replaces the file at `path`. If `path` is empty, no file is written and only the tap receives messages.
   // `library` names the program and its version. `tap` may be null and must outlive the writer. Returns

@@ -11,8 +11,8 @@ namespace kaz::sim {
 namespace {
 
 // Part of the format: recordings of the same seed are the same bytes.
-constexpr picture::PngSettings png_settings{.level = 3, .filters = false, .srgb = true};
-constexpr picture::SizeLimits png_limits{.max_side = 8192};
+constexpr picture::PngSettings kPngSettings{.level = 3, .filters = false, .srgb = true};
+constexpr picture::SizeLimits kPngLimits{.max_side = 8192};
 
 std::string reason_text(const picture::DecodeError& error) {
   using Kind = picture::DecodeError::Kind;
@@ -27,11 +27,11 @@ std::string reason_text(const picture::DecodeError& error) {
 
 Result<std::vector<std::uint8_t>> encode_png(const vision::Image& image) {
   return picture::encode_png({.width = image.width, .height = image.height, .samples = image.rgb},
-                             png_settings);
+                             kPngSettings);
 }
 
 Result<vision::Image> decode_png(std::span<const std::uint8_t> bytes) {
-  auto decoded = picture::decode_png(bytes, png_limits, picture::PngWarnings::are_errors);
+  auto decoded = picture::decode_png(bytes, kPngLimits, picture::PngWarnings::are_errors);
   if (!decoded) return fail(Fault::failed, reason_text(decoded.error()));
   return *std::move(decoded);
 }

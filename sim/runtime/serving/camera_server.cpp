@@ -16,7 +16,7 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::size_t max_readers = 8;
+constexpr std::size_t kMaxReaders = 8;
 
 void append(std::vector<std::uint8_t>& to, const void* from, std::size_t size) {
   const auto* bytes = static_cast<const std::uint8_t*>(from);
@@ -105,7 +105,7 @@ void CameraServer::run() {
 
 void CameraServer::accept_readers() {
   while (Descriptor client = listener_->accept()) {
-    if (readers_.size() >= max_readers) continue;  // closes it
+    if (readers_.size() >= kMaxReaders) continue;  // closes it
     readers_.push_back({std::move(client), header_, 0});
     if (!send_more(readers_.back())) readers_.pop_back();
   }

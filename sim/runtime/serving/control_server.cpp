@@ -15,9 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t max_clients = 8;
-constexpr std::size_t longest_line = 1024;
-constexpr std::size_t max_unsent = 65536;  // a client that does not read its replies is dropped
+constexpr std::size_t kMaxClients = 8;
+constexpr std::size_t kLongestLine = 1024;
+constexpr std::size_t kMaxUnsent = 65536;  // a client that does not read its replies is dropped
 
 Json refusal(const std::string& why) {
   return {{"ok", false}, {"error", why}};
@@ -145,7 +145,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::open(const std::string& pa
 
 void ControlServer::poll() {
   while (Descriptor socket = listener_->accept()) {
-    if (clients_.size() < max_clients) clients_.push_back({std::move(socket), "", "", false});
+    if (clients_.size() < kMaxClients) clients_.push_back({std::move(socket), "", "", false});
   }
   std::vector<Client> staying;
   for (Client& client : clients_) {
@@ -161,17 +161,17 @@ bool ControlServer::serve(Client& client) {
   if (got == 0) client.closing = true;
   if (got > 0) client.received.append(buffer, static_cast<std::size_t>(got));
 
-  for (auto end = client.received.find('\n'); end != std::string::npos && end <= longest_line;
+  for (auto end = client.received.find('\n'); end != std::string::npos && end <= kLongestLine;
        end = client.received.find('\n')) {
     client.to_send += line_of(answer_(std::string_view(client.received).substr(0, end)));
     client.received.erase(0, end + 1);
   }
-  if (client.received.find('\n') > longest_line && client.received.size() > longest_line) {
+  if (client.received.find('\n') > kLongestLine && client.received.size() > kLongestLine) {
     client.to_send += line_of(refusal("a request has at most 1024 characters"));
     client.received.clear();
     client.closing = true;
   }
-  if (client.to_send.size() > max_unsent) return false;
+  if (client.to_send.size() > kMaxUnsent) return false;
   if (!client.to_send.empty()) {
     const ssize_t sent =
         ::send(client.socket.get(), client.to_send.data(), client.to_send.size(), MSG_NOSIGNAL);

@@ -53,7 +53,7 @@ void HostWatch::bytes_lost(std::size_t count) {
 }
 
 void HostWatch::check_silence(Time now) {
-  if (!present_ || !heard_ || silent_ || now - last_byte_ < silence) return;
+  if (!present_ || !heard_ || silent_ || now - last_byte_ < kSilence) return;
   silent_ = true;
   say("host silent for " + milliseconds(now - last_byte_));
 }

@@ -14,9 +14,9 @@ namespace kaz::sim {
 
 class HostWatch {
  public:
-  static constexpr Time silence = std::chrono::milliseconds(1000);
+  static constexpr Time kSilence = std::chrono::milliseconds(1000);
   // Minimum timeout of the link watchdog (docs/reference/protocol.md).
-  static constexpr Time shortest_watchdog = std::chrono::milliseconds(10);
+  static constexpr Time kShortestWatchdog = std::chrono::milliseconds(10);
 
   HostWatch(std::string port, std::function<void(const std::string&)> report)
       : port_(std::move(port)), report_(std::move(report)) {}
@@ -33,10 +33,10 @@ class HostWatch {
   void drivers(Time now, bool enabled, const std::string& why = "");
   // Call this function if the board's link watchdog has expired and the joints hold their positions.
   void held(Time now);
-  // Returns true if the host has been silent for at least shortest_watchdog, and held() has not been called
+  // Returns true if the host has been silent for at least kShortestWatchdog, and held() has not been called
   // during this silence. If the result is true, the link watchdog may have expired.
   bool may_hold(Time now) const {
-    return heard_ && !held_ && now - last_byte_ >= shortest_watchdog;
+    return heard_ && !held_ && now - last_byte_ >= kShortestWatchdog;
   }
   void board_restarted(const std::string& why);
   void check_silence(Time now);

@@ -30,13 +30,13 @@
 namespace kaz::sim {
 namespace {
 
-constexpr Time tolerance = std::chrono::milliseconds(20);
+constexpr Time kTolerance = std::chrono::milliseconds(20);
 // Time for which bytes may still arrive from a host that has closed the port.
-constexpr Time echo_of_a_host = std::chrono::milliseconds(50);
+constexpr Time kEchoOfAHost = std::chrono::milliseconds(50);
 // Buffer size of a USB adapter, beyond which it blocks its writer.
-constexpr std::size_t adapter_bytes = 256;
+constexpr std::size_t kAdapterBytes = 256;
 // Between two looks at `stop` and the control socket while a followed clock stands still.
-constexpr Time longest_wait = std::chrono::milliseconds(50);
+constexpr Time kLongestWait = std::chrono::milliseconds(50);
 
 void sleep_for(Time length) {
   timespec t{static_cast<time_t>(length.count() / 1'000'000'000),
@@ -78,7 +78,7 @@ struct RealTimeServer::Parts {
   Simulation& simulation;
   RealTimeOptions options;
   HostWatch watch;
-  Pacer pacer{tolerance};
+  Pacer pacer{kTolerance};
   Time overruns_reported_at{}, discard_until{};
   std::uint64_t overruns_reported = 0;
   bool motors_on = false;
@@ -195,7 +195,7 @@ Result<void> RealTimeServer::Parts::wait(Time length, const std::atomic<bool>& s
   const Time end = clock->now() + length;
   while (!stop && clock->now() < end) {
     if (KAZ_TRY(
-            clock->poll(longest_wait))) {  // of another machine, or of one that was started again
+            clock->poll(kLongestWait))) {  // of another machine, or of one that was started again
       pacer.start(simulation.time(), clock->now());
       return {};
     }
@@ -206,7 +206,7 @@ Result<void> RealTimeServer::Parts::wait(Time length, const std::atomic<bool>& s
 
 Result<void> RealTimeServer::Parts::wait_for_first_time(const std::atomic<bool>& stop) {
   while (clock && !stop) {
-    if (KAZ_TRY(clock->poll(longest_wait))) return {};
+    if (KAZ_TRY(clock->poll(kLongestWait))) return {};
     control->poll();
   }
   return {};
@@ -226,9 +226,9 @@ void RealTimeServer::Parts::host_to_board() {
   watch.presence(now, present, baud);
   if (baud > 0) simulation.line().set_host_bit(KZ_CLOCK_HZ / baud);
 
-  std::array<std::uint8_t, adapter_bytes> buffer{};
+  std::array<std::uint8_t, kAdapterBytes> buffer{};
   const std::size_t waiting = simulation.line().waiting(simulation.now());
-  const std::size_t room = waiting < adapter_bytes ? adapter_bytes - waiting : 0;
+  const std::size_t room = waiting < kAdapterBytes ? kAdapterBytes - waiting : 0;
   // A host that has closed the port may have left bytes.
   const std::size_t count = pty && room > 0 ? pty->read(std::span(buffer).first(room)) : 0;
   if (count > 0) {
@@ -242,7 +242,7 @@ void RealTimeServer::Parts::host_to_board() {
   }
   watch.check_silence(now);
   if (present) {
-    discard_until = now + echo_of_a_host;
+    discard_until = now + kEchoOfAHost;
   } else if (pty && now < discard_until) {
     pty->discard_unread();
   }
@@ -254,7 +254,7 @@ void RealTimeServer::Parts::board_to_host() {
   watch.drivers(simulation.time(), enabled, motors_on && !enabled ? why_off() : "");
   motors_on = enabled;
   if (enabled && watch.may_hold(simulation.time()) && joints_held()) watch.held(simulation.time());
-  std::array<std::uint8_t, adapter_bytes> buffer{};
+  std::array<std::uint8_t, kAdapterBytes> buffer{};
   const std::size_t count = simulation.read(buffer);
   // Without a host the board's bytes are lost; a later host must not receive them.
   if (count == 0 || !watch.present()) return;

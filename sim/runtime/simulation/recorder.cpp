@@ -18,27 +18,27 @@
 namespace kaz::sim {
 namespace {
 
-constexpr char wire_schema[] =
+constexpr char kWireSchema[] =
     "# Bytes whose stop bit ended in the millisecond before the message's time.\n"
     "uint8[] value\n"
     "uint16[] state  # end of the stop bit: crystal periods since 1 ms before the message's time\n"
     "uint8[] framing_error\n";
-constexpr char pins_schema[] =
+constexpr char kPinsSchema[] =
     "# pw and tmo: high counts of the PWM pins, out of 256. p3 to p6: levels of the ports. The\n"
     "# multiplexer select bits of p4 are always 0.\n"
     "uint16[16] pw\nuint16[2] tmo\nuint8 p3\nuint8 p4\nuint8 p5\nuint8 p6\n";
-constexpr char analog_schema[] =
+constexpr char kAnalogSchema[] =
     "# A/D codes (0 to 1023) that one firmware tick used. Index: 8 * multiplexer + input.\n"
     "uint32 tick\nuint16[24] code\n";
-constexpr char joints_schema[] =
+constexpr char kJointsSchema[] =
     "# True states of the joints, indexed by joint number: angle in rad, torque in Nm, and\n"
     "# temperature of the motor's winding.\n"
     "float64[18] angle\nfloat64[18] torque\nfloat64[18] winding_celsius\n";
-constexpr char point_schema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
-constexpr char supply_schema[] =
+constexpr char kPointSchema[] = "# World frame, m.\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr char kSupplySchema[] =
     "# Supply voltage at the board (V), and current that the motors draw (A).\n"
     "float64 volts\nfloat64 amperes\n";
-constexpr char contacts_schema[] =
+constexpr char kContactsSchema[] =
     "# Contacts between shapes in the millisecond before the message's time, every 10 ms.\n"
     "kaz/Contact[] contacts\n"
     "================================================================================\n"
@@ -46,7 +46,7 @@ constexpr char contacts_schema[] =
     "string a\nstring b\n"
     "float64[3] at     # world frame, m\n"
     "float64[3] force  # force on the shape in field `a`, N\n";
-constexpr char link_forces_schema[] =
+constexpr char kLinkForcesSchema[] =
     "# External contact forces on the robot's links, in the link's axes. Each value is the mean\n"
     "# over the millisecond before the message's time. Contacts between two links of the\n"
     "# robot are not included. Only links in contact are listed.\n"
@@ -58,20 +58,20 @@ constexpr char link_forces_schema[] =
     "float64[3] moment  # Nm, about the link's origin\n"
     "float64[3] centre  # center of pressure, in the link's frame, m\n"
     "float64 pressure   # sum of the normal forces, N\n";
-constexpr char joint_loads_schema[] =
+constexpr char kJointLoadsSchema[] =
     "# Force and moment that the parent link exerts on the child link of each joint, in the\n"
     "# millisecond before the message's time, every 10 ms. Each joint has three numbers, in the\n"
     "# order of the joint numbers. The moment is about the joint's origin. Vectors are in the\n"
     "# child's axes. Along the joint's axis, the moment is the torque of motor and stop.\n"
     "float64[54] force   # N\n"
     "float64[54] moment  # Nm\n";
-constexpr char eyes_schema[] =
+constexpr char kEyesSchema[] =
     "# XXH3-128 digests of the RGB bytes of a stereo pair. The message's time is the exposure.\n"
     "uint64 sequence\n"
     "string left_xxh3\n"
     "string right_xxh3\n";
 // As ROS has it, so that viewers show the pictures.
-constexpr char picture_schema[] =
+constexpr char kPictureSchema[] =
     "# Rectified picture as the host receives it: 8-bit RGB, lossless. The message's time is the\n"
     "# arrival at the host. The header's stamp is the exposure, and its seq is the pair's number.\n"
     "std_msgs/Header header\nstring format\nuint8[] data\n"
@@ -94,27 +94,27 @@ constexpr char picture_schema[] =
   "float64 x\nfloat64 y\nfloat64 z\n" KAZ_ROS_SEPARATOR      \
   "MSG: geometry_msgs/Quaternion\n"                          \
   "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
-constexpr char map_schema[] =
+constexpr char kMapSchema[] =
     "# Probability of an obstacle, in %; -1: unknown. Row-major order, with x along each row.\n"
     "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data\n" KAZ_ROS_HEADER
         KAZ_ROS_SEPARATOR
     "MSG: nav_msgs/MapMetaData\n"
     "time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
     "geometry_msgs/Pose origin\n" KAZ_ROS_POSE;
-constexpr char path_schema[] =
+constexpr char kPathSchema[] =
     "# Corners of the path, from start to goal. The list is empty if there is no path.\n"
     "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n" KAZ_ROS_HEADER KAZ_ROS_SEPARATOR
     "MSG: geometry_msgs/PoseStamped\n"
     "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_POSE;
-constexpr char pose_schema[] =
+constexpr char kPoseSchema[] =
     "# Estimated pose of the robot: the point midway between its feet.\n"
     "std_msgs/Header header\ngeometry_msgs/Pose pose\n" KAZ_ROS_HEADER KAZ_ROS_POSE;
-constexpr char fault_schema[] =
+constexpr char kFaultSchema[] =
     "# Fault that begins, as a line of a fault schedule.\nstring line\n";
-constexpr char hand_schema[] =
+constexpr char kHandSchema[] =
     "# Manual action. It takes effect in the step that begins at the message's time.\n"
     "string line\n";
-constexpr char behavior_schema[] = R"({"type": "object"})";
+constexpr char kBehaviorSchema[] = R"({"type": "object"})";
 
 // The beginning of std_msgs/Header: seq and stamp.
 LittleEndian& put_stamp(LittleEndian& to, Time time, std::uint32_t sequence = 0) {
@@ -138,27 +138,27 @@ Recorder::Recorder(std::unique_ptr<McapWriter> file) : file_(std::move(file)) {
   const auto numbers = [this](const char* topic, std::uint16_t schema) {
     return file_->add_channel(schema, topic, "ros1");
   };
-  wire_bytes_ = file_->add_schema("kaz/WireBytes", "ros1msg", wire_schema);
+  wire_bytes_ = file_->add_schema("kaz/WireBytes", "ros1msg", kWireSchema);
   const auto to_board = numbers("/wire/to_board", wire_bytes_);
   lines_.push_back({to_board, numbers("/wire/to_host", wire_bytes_)});
-  pins_ = numbers("/board/pins", file_->add_schema("kaz/Pins", "ros1msg", pins_schema));
-  analog_ = numbers("/board/analog", file_->add_schema("kaz/Analog", "ros1msg", analog_schema));
-  joints_ = numbers("/truth/joints", file_->add_schema("kaz/Joints", "ros1msg", joints_schema));
-  ball_ = numbers("/truth/ball", file_->add_schema("kaz/Point", "ros1msg", point_schema));
-  supply_ = numbers("/board/supply", file_->add_schema("kaz/Supply", "ros1msg", supply_schema));
+  pins_ = numbers("/board/pins", file_->add_schema("kaz/Pins", "ros1msg", kPinsSchema));
+  analog_ = numbers("/board/analog", file_->add_schema("kaz/Analog", "ros1msg", kAnalogSchema));
+  joints_ = numbers("/truth/joints", file_->add_schema("kaz/Joints", "ros1msg", kJointsSchema));
+  ball_ = numbers("/truth/ball", file_->add_schema("kaz/Point", "ros1msg", kPointSchema));
+  supply_ = numbers("/board/supply", file_->add_schema("kaz/Supply", "ros1msg", kSupplySchema));
   contacts_ =
-      numbers("/truth/contacts", file_->add_schema("kaz/Contacts", "ros1msg", contacts_schema));
+      numbers("/truth/contacts", file_->add_schema("kaz/Contacts", "ros1msg", kContactsSchema));
   link_forces_ = numbers("/truth/link_forces",
-                         file_->add_schema("kaz/LinkForces", "ros1msg", link_forces_schema));
+                         file_->add_schema("kaz/LinkForces", "ros1msg", kLinkForcesSchema));
   joint_loads_ = numbers("/truth/joint_loads",
-                         file_->add_schema("kaz/JointLoads", "ros1msg", joint_loads_schema));
-  eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", eyes_schema));
-  const auto pictures = file_->add_schema("sensor_msgs/CompressedImage", "ros1msg", picture_schema);
+                         file_->add_schema("kaz/JointLoads", "ros1msg", kJointLoadsSchema));
+  eyes_ = numbers("/eyes", file_->add_schema("kaz/StereoDigest", "ros1msg", kEyesSchema));
+  const auto pictures = file_->add_schema("sensor_msgs/CompressedImage", "ros1msg", kPictureSchema);
   left_eye_ = numbers("/eyes/left", pictures);
   right_eye_ = numbers("/eyes/right", pictures);
-  behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", behavior_schema),
+  behavior_ = file_->add_channel(file_->add_schema("kaz/Behavior", "jsonschema", kBehaviorSchema),
                                  "/behavior", "json");
-  faults_ = numbers("/faults", file_->add_schema("kaz/Fault", "ros1msg", fault_schema));
+  faults_ = numbers("/faults", file_->add_schema("kaz/Fault", "ros1msg", kFaultSchema));
 }
 
 void Recorder::put(std::uint16_t channel, Time time) {
@@ -290,9 +290,9 @@ Recorder::MapChannels Recorder::map_channels() {
     const auto channel = [this](const char* topic, const char* name, const char* text) {
       return file_->add_channel(file_->add_schema(name, "ros1msg", text), topic, "ros1");
     };
-    maps_ = {channel("/map", "nav_msgs/OccupancyGrid", map_schema),
-             channel("/map/path", "nav_msgs/Path", path_schema),
-             channel("/map/robot", "geometry_msgs/PoseStamped", pose_schema)};
+    maps_ = {channel("/map", "nav_msgs/OccupancyGrid", kMapSchema),
+             channel("/map/path", "nav_msgs/Path", kPathSchema),
+             channel("/map/robot", "geometry_msgs/PoseStamped", kPoseSchema)};
   }
   return *maps_;
 }
@@ -300,7 +300,7 @@ Recorder::MapChannels Recorder::map_channels() {
 std::uint16_t Recorder::hand_channel() {
   if (!hands_)
     hands_ =
-        file_->add_channel(file_->add_schema("kaz/Hand", "ros1msg", hand_schema), "/hand", "ros1");
+        file_->add_channel(file_->add_schema("kaz/Hand", "ros1msg", kHandSchema), "/hand", "ros1");
   return *hands_;
 }
 

@@ -54,11 +54,11 @@ struct Record {
   Bytes content;
 };
 
-const Bytes magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+const Bytes kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
 std::vector<Record> records_of(const Bytes& file) {
-  EXPECT_EQ(Bytes(file.begin(), file.begin() + 8), magic);
-  EXPECT_EQ(Bytes(file.end() - 8, file.end()), magic);
+  EXPECT_EQ(Bytes(file.begin(), file.begin() + 8), kMagic);
+  EXPECT_EQ(Bytes(file.end() - 8, file.end()), kMagic);
   std::vector<Record> records;
   std::size_t at = 8;
   while (at < file.size() - 8) {
@@ -145,7 +145,7 @@ TEST(McapWriter, ADamagedFileLosesOneChunk) {
   ASSERT_TRUE(writer);
   const auto channel =
       (*writer)->add_channel((*writer)->add_schema("S", "ros1msg", "uint8 a\n"), "/a", "ros1");
-  const Bytes half(McapWriter::chunk_bytes / 2, 7);  // so that two fill a chunk
+  const Bytes half(McapWriter::kChunkBytes / 2, 7);  // so that two fill a chunk
   for (std::uint64_t k = 0; k < 6; ++k) (*writer)->add_message(channel, k, half);
   ASSERT_TRUE((*writer)->finish());
   {
@@ -170,7 +170,7 @@ TEST(McapRecording, IsReadToWhereItWasCutOff) {
   (*writer)->add_metadata("facts", {{"seed", "1"}});
   const auto channel =
       (*writer)->add_channel((*writer)->add_schema("S", "ros1msg", "uint8 a\n"), "/a", "ros1");
-  const Bytes half(McapWriter::chunk_bytes / 2, 7);  // so that two fill a chunk
+  const Bytes half(McapWriter::kChunkBytes / 2, 7);  // so that two fill a chunk
   for (std::uint64_t k = 0; k < 4; ++k) (*writer)->add_message(channel, k, half);
   ASSERT_TRUE((*writer)->finish());
   const Bytes file = contents(path);
@@ -234,7 +234,7 @@ TEST(McapWriter, NamesAFullDisk) {
   ASSERT_TRUE(writer);
   const auto schema = (*writer)->add_schema("kaz/Bytes", "ros1msg", "uint8[] data");
   const auto channel = (*writer)->add_channel(schema, "/a", "ros1");
-  (*writer)->add_message(channel, 1, std::vector<std::uint8_t>(McapWriter::chunk_bytes));
+  (*writer)->add_message(channel, 1, std::vector<std::uint8_t>(McapWriter::kChunkBytes));
   const auto finished = (*writer)->finish();
   ASSERT_FALSE(finished);
   EXPECT_TRUE(finished.error().disk_full) << finished.error().message;

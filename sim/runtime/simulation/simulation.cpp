@@ -82,9 +82,9 @@ Result<void> check_limits(const std::string& robot_path) {
 }
 
 // Contacts are recorded less often: they are many and change slowly.
-constexpr States contact_interval_ms = 10, transform_interval_ms = 33;
+constexpr States kContactInterval_ms = 10, kTransformInterval_ms = 33;
 
-constexpr int detour_steps = 100;
+constexpr int kDetourSteps = 100;
 
 }  // namespace
 
@@ -189,7 +189,7 @@ Result<void> Simulation::step() {
     Result<void> done = advance();
     if (done && options_.detour_every > Time::zero() && recorder_ &&
         time() % options_.detour_every == Time::zero())
-      done = detour(detour_steps);
+      done = detour(kDetourSteps);
     if (!done) error_ = done.error();
   }
   if (error_) return tl::unexpected(*error_);
@@ -209,8 +209,8 @@ Result<void> Simulation::advance() {
   for (const SerialByte& byte : to_board) board_.receive(byte);
   const States tick = end / KZ_STATES_PER_TICK;
   // For the step that will be the last one before the next recording of loads.
-  world_->watch_loads(recorder_ && (tick + ratio_.ticks_a_step - 1) / contact_interval_ms !=
-                                       (tick - 1) / contact_interval_ms);
+  world_->watch_loads(recorder_ && (tick + ratio_.ticks_a_step - 1) / kContactInterval_ms !=
+                                       (tick - 1) / kContactInterval_ms);
   Eigen::Vector3d felt = Eigen::Vector3d::Zero();
   for (int part = 1; part <= ratio_.steps_a_tick; ++part) {
     const States to = start + part * KZ_STATES_PER_TICK / ratio_.steps_a_tick;
@@ -268,14 +268,14 @@ void Simulation::record(States start, std::span<const SerialByte> to_board,
   recorder_->pins(now_, board_.pins());
   std::array<JointState, KZ_JOINTS> joints{};
   for (std::size_t j = 0; j < channels_.size(); ++j) joints[channels_[j]] = world_->joints()[j];
-  if (!robot_frames_.empty() && (now_ / KZ_STATES_PER_TICK) % transform_interval_ms == 1) {
+  if (!robot_frames_.empty() && (now_ / KZ_STATES_PER_TICK) % kTransformInterval_ms == 1) {
     record_transforms();
     recorder_->contact_markers(now_, world_->contacts());
   }
   recorder_->joints(now_, joints);
   recorder_->supply(now_, board_.supply_volts(), world_->supply_current_a());
   recorder_->link_forces(now_, world_->link_order(), world_->link_forces());
-  if (now_ / KZ_STATES_PER_TICK % contact_interval_ms == 0) {
+  if (now_ / KZ_STATES_PER_TICK % kContactInterval_ms == 0) {
     recorder_->contacts(now_, world_->contacts());
     if (const auto loads = world_->joint_loads(); !loads.empty()) {
       std::array<JointLoad, KZ_JOINTS> by_channel{};

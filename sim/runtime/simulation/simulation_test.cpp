@@ -108,8 +108,8 @@ class BrokenMcu final : public Mcu {
   }
   void reset() override {}
   void power_cycle() override {}
-  std::array<std::uint8_t, memory_size> memory() const override { return {}; }
-  void set_memory(std::span<const std::uint8_t, memory_size>) override {}
+  std::array<std::uint8_t, kMemorySize> memory() const override { return {}; }
+  void set_memory(std::span<const std::uint8_t, kMemorySize>) override {}
   const PinLevels& pins() const override { return pins_; }
   void on_pins(std::function<void(States, const PinLevels&)>) override {}
   void set_analog(AnalogSource) override {}

@@ -10,8 +10,8 @@
 namespace kaz::sim {
 namespace {
 
-constexpr std::string_view magic = "KAZSTATE";
-constexpr std::size_t digest_size = 64;  // hexadecimal digits
+constexpr std::string_view kMagic = "KAZSTATE";
+constexpr std::size_t kDigestSize = 64;  // hexadecimal digits
 
 tl::unexpected<Error> unusable(const std::string& why) {
   return fail(Fault::usage, "this saved state cannot be restored: " + why);
@@ -25,8 +25,8 @@ std::string shown(const std::string& value) {
 
 std::vector<std::uint8_t> Snapshot::pack(const Facts& facts, std::span<const std::uint8_t> state) {
   StateWriter to;
-  for (const char c : magic) to.number(static_cast<std::uint8_t>(c));
-  std::uint32_t number = version;
+  for (const char c : kMagic) to.number(static_cast<std::uint8_t>(c));
+  std::uint32_t number = kVersion;
   Facts stored = facts;
   auto size = static_cast<std::uint64_t>(state.size());
   to(number, stored, size);
@@ -39,22 +39,22 @@ std::vector<std::uint8_t> Snapshot::pack(const Facts& facts, std::span<const std
 
 Result<std::span<const std::uint8_t>> Snapshot::unpack(std::span<const std::uint8_t> blob,
                                                        const Facts& facts) {
-  if (blob.size() < magic.size() || !std::equal(magic.begin(), magic.end(), blob.begin()))
+  if (blob.size() < kMagic.size() || !std::equal(kMagic.begin(), kMagic.end(), blob.begin()))
     return unusable("the data is not a saved state; give a file written by `save`");
-  StateReader head(blob.subspan(magic.size()));
+  StateReader head(blob.subspan(kMagic.size()));
   std::uint32_t number = 0;
   head(number);
-  if (head.good() && number != version)
+  if (head.good() && number != kVersion)
     return unusable("it has version " + std::to_string(number) + ", this program reads version " +
-                    std::to_string(version) + "; save it again with this program");
-  if (blob.size() < magic.size() + digest_size)
+                    std::to_string(kVersion) + "; save it again with this program");
+  if (blob.size() < kMagic.size() + kDigestSize)
     return unusable("it ends too early; the file is damaged");
-  const auto reported_digest = blob.last(digest_size);
-  const auto body = blob.first(blob.size() - digest_size);
+  const auto reported_digest = blob.last(kDigestSize);
+  const auto body = blob.first(blob.size() - kDigestSize);
   const std::string digest = sha256_hex(std::vector<std::uint8_t>(body.begin(), body.end()));
   if (!std::equal(digest.begin(), digest.end(), reported_digest.begin()))
     return unusable("its checksum is wrong; the file is damaged");
-  StateReader from(body.subspan(magic.size() + 4));
+  StateReader from(body.subspan(kMagic.size() + 4));
   Facts stored;
   std::uint64_t size = 0;
   from(stored, size);

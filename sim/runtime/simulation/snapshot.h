@@ -19,7 +19,7 @@ namespace kaz::sim {
 class Snapshot {
  public:
   using Facts = std::vector<std::pair<std::string, std::string>>;
-  static constexpr std::uint32_t version = 2;
+  static constexpr std::uint32_t kVersion = 2;
 
   static std::vector<std::uint8_t> pack(const Facts& facts, std::span<const std::uint8_t> state);
   // Returns the payload as a view into `blob`. Returns Fault::usage if `blob` is not a saved state of this

@@ -9,7 +9,7 @@
 
 namespace {
 
-constexpr const char* help =
+constexpr const char* kHelp =
     "usage: kaz_damage [--frames N] [--seed N]\n"
     "\n"
     "Sends N (10 million) randomly damaged frames to the native board while its joints move, and\n"
@@ -35,7 +35,7 @@ int main(int count, char** arguments) {
   for (int i = 1; i < count; ++i) {
     const std::string name = arguments[i];
     if (name == "--help") {
-      std::fputs(help, stdout);
+      std::fputs(kHelp, stdout);
       return 0;
     }
     unsigned long long* const value =

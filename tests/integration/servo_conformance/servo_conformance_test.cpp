@@ -195,69 +195,70 @@ void ignored(BusLink& link, ServoFamily family, int instruction) {
   link.request = [=](Bytes wire) { return is(wire, family, instruction) ? Bytes{} : wire; };
 }
 
-constexpr auto F = ServoFamily::feetech, D = ServoFamily::dynamixel;
+constexpr auto kFeetech = ServoFamily::feetech, kDynamixel = ServoFamily::dynamixel;
 
 const Mutant kMutants[] = {
     {"does_not_check", "sts3215", "packet.checksum",
      [](BusLink& link, sim::VirtualBus&) {
-       link.request = [](Bytes wire) { return repaired(wire, F); };
+       link.request = [](Bytes wire) { return repaired(wire, kFeetech); };
      }},
     {"does_not_check", "xl330-m288", "packet.crc",
      [](BusLink& link, sim::VirtualBus&) {
-       link.request = [](Bytes wire) { return repaired(wire, D); };
+       link.request = [](Bytes wire) { return repaired(wire, kDynamixel); };
      }},
     {"executes_reg_writes_at_once", "sts3215", "instructions.reg-write",
-     [](BusLink& link, sim::VirtualBus&) { instead(link, F, 4, 3); }},
+     [](BusLink& link, sim::VirtualBus&) { instead(link, kFeetech, 4, 3); }},
     {"executes_reg_writes_at_once", "scs0009", "instructions.reg-write",
-     [](BusLink& link, sim::VirtualBus&) { instead(link, F, 4, 3); }},
+     [](BusLink& link, sim::VirtualBus&) { instead(link, kFeetech, 4, 3); }},
     {"executes_reg_writes_at_once", "xl330-m288", "instructions.reg-write",
-     [](BusLink& link, sim::VirtualBus&) { instead(link, D, 4, 3); }},
+     [](BusLink& link, sim::VirtualBus&) { instead(link, kDynamixel, 4, 3); }},
     {"has_no_sync_write", "sts3215", "instructions.sync-write",
-     [](BusLink& link, sim::VirtualBus&) { ignored(link, F, 0x83); }},
+     [](BusLink& link, sim::VirtualBus&) { ignored(link, kFeetech, 0x83); }},
     {"has_no_sync_read", "sts3215", "instructions.sync-read",
-     [](BusLink& link, sim::VirtualBus&) { ignored(link, F, 0x82); }},
+     [](BusLink& link, sim::VirtualBus&) { ignored(link, kFeetech, 0x82); }},
     {"has_no_bulk_write", "xl330-m288", "groups.bulk-write",
-     [](BusLink& link, sim::VirtualBus&) { ignored(link, D, 0x93); }},
+     [](BusLink& link, sim::VirtualBus&) { ignored(link, kDynamixel, 0x93); }},
     {"has_no_fast_read", "xm430-w350", "groups.fast-sync-read",
-     [](BusLink& link, sim::VirtualBus&) { ignored(link, D, 0x8A); }},
+     [](BusLink& link, sim::VirtualBus&) { ignored(link, kDynamixel, 0x8A); }},
     {"answers_sync_reads_of_others", "xl330-m288", "groups.sync-read-of-others",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
-         if (!is(wire, D, 0x82)) return wire;
+         if (!is(wire, kDynamixel, 0x82)) return wire;
          Bytes parameters(wire.begin() + 8, wire.end() - 2);
          parameters.back() = kId;
-         return hil::servo_request(D, 254, 0x82, parameters);
+         return hil::servo_request(kDynamixel, 254, 0x82, parameters);
        };
      }},
     {"answers_to_every_id", "sts3215", "packet.other-id",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
          const bool other = wire.size() == 6 && wire[4] == 1 && wire[2] > 200;
-         return other ? hil::servo_request(F, kId, 1) : wire;
+         return other ? hil::servo_request(kFeetech, kId, 1) : wire;
        };
      }},
     {"writes_read_only_registers", "sts3215", "registers.ram-read-only",
      [](BusLink& link, sim::VirtualBus&) {
        // As if 0 had been written: from then on 0 is read.
        link.request = [written = false](Bytes wire) mutable {
-         if (is(wire, F, 3) && wire[5] == 62) written = true;
-         if (written && is(wire, F, 2) && wire[5] == 62)
-           return hil::servo_request(F, 1, 2, {64, 1});
+         if (is(wire, kFeetech, 3) && wire[5] == 62) written = true;
+         if (written && is(wire, kFeetech, 2) && wire[5] == 62)
+           return hil::servo_request(kFeetech, 1, 2, {64, 1});
          return wire;
        };
      }},
     {"shifts_the_table", "sts3215", "registers.readable",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
-         if (is(wire, F, 2) && wire[5] == 48) return hil::servo_request(F, 1, 2, {48, 1});
+         if (is(wire, kFeetech, 2) && wire[5] == 48)
+           return hil::servo_request(kFeetech, 1, 2, {48, 1});
          return wire;
        };
      }},
     {"limits_a_register_otherwise", "sts3215", "registers.ram",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
-         if (is(wire, F, 3) && wire[5] == 41 && wire[6] == 254)
-           return hil::servo_request(F, 1, 3, {41, 253});
+         if (is(wire, kFeetech, 3) && wire[5] == 41 && wire[6] == 254)
+           return hil::servo_request(kFeetech, 1, 3, {41, 253});
          return wire;
        };
      }},
@@ -265,7 +266,8 @@ const Mutant kMutants[] = {
      [](BusLink& link, sim::VirtualBus&) {
        // A dead zone of 80, as another tool may have left it: that of another register is read.
        link.request = [](Bytes wire) {
-         if (is(wire, F, 2) && wire[5] == 26) return hil::servo_request(F, kId, 2, {36, 1});
+         if (is(wire, kFeetech, 2) && wire[5] == 26)
+           return hil::servo_request(kFeetech, kId, 2, {36, 1});
          return wire;
        };
      }},
@@ -273,22 +275,23 @@ const Mutant kMutants[] = {
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
          // Position P Gain
-         if (is(wire, D, 3) && wire[8] == 84) return hil::servo_request(D, 1, 3, {82, 0, 0, 0});
+         if (is(wire, kDynamixel, 3) && wire[8] == 84)
+           return hil::servo_request(kDynamixel, 1, 3, {82, 0, 0, 0});
          return wire;
        };
      }},
     {"has_no_ranges", "xl330-m288", "errors.range",
      [](BusLink& link, sim::VirtualBus&) {
        link.answer = [](Bytes wire) {
-         if (wire.size() == 11 && wire[8] == 4) wire = hil::servo_request(D, 1, 0x55, {0});
+         if (wire.size() == 11 && wire[8] == 4) wire = hil::servo_request(kDynamixel, 1, 0x55, {0});
          return wire;
        };
      }},
     {"counts_stuffing_as_data", "xl330-m288", "packet.stuffing",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
-         if (is(wire, D, 3) && wire.size() > 14 && wire[10] == 0xFF && wire[11] == 0xFF)
-           return hil::servo_request(D, 1, 3, {112, 0, 1, 0, 0, 0, 5});
+         if (is(wire, kDynamixel, 3) && wire.size() > 14 && wire[10] == 0xFF && wire[11] == 0xFF)
+           return hil::servo_request(kDynamixel, 1, 3, {112, 0, 1, 0, 0, 0, 5});
          return wire;
        };
      }},
@@ -306,14 +309,15 @@ const Mutant kMutants[] = {
     {"does_not_go_to_goals", "sts3215", "motion.goal",
      [](BusLink& link, sim::VirtualBus&) {
        link.request = [](Bytes wire) {
-         if (is(wire, F, 3) && wire[5] == 42) return hil::servo_request(F, 1, 3, {41, 0});
+         if (is(wire, kFeetech, 3) && wire[5] == 42)
+           return hil::servo_request(kFeetech, 1, 3, {41, 0});
          return wire;
        };
      }},
     {"writes_eeprom_with_the_torque_on", "xl330-m288", "motion.eeprom-is-locked",
      [](BusLink& link, sim::VirtualBus&) {
        link.answer = [](Bytes wire) {
-         if (wire.size() == 11 && wire[8] == 7) wire = hil::servo_request(D, 1, 0x55, {0});
+         if (wire.size() == 11 && wire[8] == 7) wire = hil::servo_request(kDynamixel, 1, 0x55, {0});
          return wire;
        };
      }},
@@ -369,7 +373,8 @@ TEST(ServoSuite, NobodyAndStrangersAreNamed) {
   EXPECT_NE(report.error().message.find("does not answer"), std::string::npos);
   options.id = 3;
   link.request = [](Bytes wire) {  // the limits in place of the model's number
-    return is(wire, F, 2) && wire[5] == 3 ? hil::servo_request(F, 3, 2, {11, 2}) : wire;
+    return is(wire, kFeetech, 2) && wire[5] == 3 ? hil::servo_request(kFeetech, 3, 2, {11, 2})
+                                                 : wire;
   };
   report = hil::run_bus_suite(link, link, options);
   ASSERT_FALSE(report);

@@ -20,15 +20,15 @@ namespace {
 using sim::States;
 using std::chrono::milliseconds;
 
-constexpr double reaction_due_ms = 100;
-constexpr double switch_off_due_ms =
+constexpr double kReactionDue_ms = 100;
+constexpr double kSwitchOffDue_ms =
     2;  // after a reset or a power cut: at once, seen each millisecond
-constexpr double resume_due_ms = 1000;
-constexpr int rounds_a_world = 20;  // after a reaction `limp` the robot lies on the floor
-constexpr Time cycle = milliseconds(10), ramp = milliseconds(12);
+constexpr double kResumeDue_ms = 1000;
+constexpr int kRoundsAWorld = 20;  // after a reaction `limp` the robot lies on the floor
+constexpr Time kCycle = milliseconds(10), kRamp = milliseconds(12);
 
 enum class Event { cable, port, garbage, host_killed, reset, power };
-constexpr const char* event_names[] = {"cable pulled", "port gone", "garbage",
+constexpr const char* kEventNames[] = {"cable pulled", "port gone", "garbage",
                                        "host killed",  "reset",     "power cut"};
 
 bool is_link_event(Event event) {
@@ -107,7 +107,7 @@ class Campaign {
 
   Result<Report> run() {
     for (int round = 0; round < options_.rounds; ++round) {
-      if (round % rounds_a_world == 0) {
+      if (round % kRoundsAWorld == 0) {
         KAZ_TRY(new_world(round));
       }
       KAZ_TRY(one(round));
@@ -140,7 +140,7 @@ class Campaign {
     const Time before = milliseconds(60 + random.below(200)),
                // A board that was reset comes back by itself.
         outage = milliseconds(event == Event::reset ? 10 : 130 + random.below(900));
-    const std::string name = std::string(event_names[static_cast<int>(event)]) +
+    const std::string name = std::string(kEventNames[static_cast<int>(event)]) +
                              (!is_link_event(event)              ? ""
                               : reaction == host::Reaction::limp ? ", limp"
                                                                  : ", hold");
@@ -186,7 +186,7 @@ class Campaign {
     Tally& tally = report_.tallies[name];
     ++tally.rounds;
     const auto reaction_ms = judge.reaction_ms();
-    const double due = is_link_event(event) ? reaction_due_ms : switch_off_due_ms;
+    const double due = is_link_event(event) ? kReactionDue_ms : kSwitchOffDue_ms;
     if (!reaction_ms) {
       wrong("the motors never became safe");
     } else {
@@ -205,7 +205,7 @@ class Campaign {
     }
     const double resume_ms = seconds(resumed - end) * 1e3;
     tally.max_resume_ms = std::max(tally.max_resume_ms, resume_ms);
-    if (resume_ms > resume_due_ms)
+    if (resume_ms > kResumeDue_ms)
       wrong("the client came back only after " + std::to_string(resume_ms) + " ms");
     if (servo_state(line_->mcu()).enabled != host::kAllJoints) wrong("not all motors are on again");
     return {};
@@ -223,7 +223,7 @@ class Campaign {
   Result<void> move_until(Time end, Random& random) {
     const double phase = 6.28 * random.uniform();
     while (line_->now() < end) {
-      const Time next_cycle = line_->now() + cycle;
+      const Time next_cycle = line_->now() + kCycle;
       std::array<host::JointTarget, KZ_JOINTS> targets;
       for (int j = 0; j < KZ_JOINTS; ++j) {
         const kz_board_joint& joint = kz_board_joints[j];
@@ -232,7 +232,7 @@ class Campaign {
         targets[static_cast<std::size_t>(j)] = {
             j, middle + 0.3 * range * std::sin(4.0 * seconds(line_->now()) + phase + j)};
       }
-      const auto posture = robot_->exchange(targets, ramp);
+      const auto posture = robot_->exchange(targets, kRamp);
       if (!posture) return tl::unexpected(posture.error());
       if (auto slept = line_->sleep_until(next_cycle); !slept) return slept;
     }

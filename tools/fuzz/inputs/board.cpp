@@ -17,15 +17,15 @@
 #include "sim/runtime/simulation/snapshot.h"
 #include "sim/stand/stand_commands.h"
 #include "tools/base/arguments.h"
-#include "tools/vision/modules.h"
 #include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
+#include "tools/vision/modules.h"
 
 namespace kaz::fuzz {
 namespace {
 
 using hil::fuzz::Choices;
-constexpr std::size_t kMemory = sim::Mcu::memory_size;
+constexpr std::size_t kMemory = sim::Mcu::kMemorySize;
 
 // Erased flash with lines of a log, whose check sums are right for the most part.
 std::vector<std::uint8_t> memory_of(Bytes bytes) {
@@ -116,9 +116,10 @@ Saved robot(const std::string& dynamics) {
   options.camera_path = KAZ_TREE "/shared/robot/kaz/camera.json";
   options.sensor_params = sim::load_sensor_file(KAZ_TREE "/shared/robot/kaz/sensors.xml").value();
   options.dynamics = dynamics;
-  options.faults = faults::Schedule::parse("at 0.01 s for 1 s pot_noisy joint 2 sigma 3 codes\n"
-                                           "at 0.015 s for 1 s link_drop 0.5\n",
-                                           "case")
+  options.faults = faults::Schedule::parse(
+                       "at 0.01 s for 1 s pot_noisy joint 2 sigma 3 codes\n"
+                       "at 0.015 s for 1 s link_drop 0.5\n",
+                       "case")
                        .value();
   return saved(sim::Simulation::create(options), options);
 }
