@@ -265,8 +265,8 @@ TEST(TickJudge, FindsMotorsThatARequestHasNotSwitchedOff) {
 }
 
 // A "board" that goes wrong on two neighbouring bytes.
-Result<Verdict> picky(const Genome& genome) {
-  Verdict verdict;
+Result<CaseVerdict> picky(const Genome& genome) {
+  CaseVerdict verdict;
   for (std::size_t i = 0; i + 1 < genome.size(); ++i) {
     verdict.features.insert(genome[i] / 16u);
     if (genome[i] == 0x42 && genome[i + 1] >= 0xC0) verdict.violation = "42";
@@ -295,7 +295,7 @@ TEST(Search, FindsAndShortensAndRepeatsItself) {
 
 TEST(Search, OnlyNewFeaturesJoinTheCorpus) {
   Search search(1);
-  Verdict verdict;
+  CaseVerdict verdict;
   verdict.features = {1, 2};
   EXPECT_TRUE(search.learn({1}, verdict));
   EXPECT_FALSE(search.learn({2}, verdict));

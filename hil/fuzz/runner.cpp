@@ -20,11 +20,11 @@ class Run {
   Run(host::Link& link, host::Clock& clock, const RunnerOptions& options)
       : link_(link), clock_(clock), options_(options), conversation_(options.address) {}
 
-  Result<Verdict> go(std::span<const Event> events) {
+  Result<CaseVerdict> go(std::span<const Event> events) {
     const Time began = clock_.now();
     const auto ran = run(events);
-    Verdict verdict{violation(), conversation_.features(), conversation_.counts(),
-                    seconds(clock_.now() - began)};
+    CaseVerdict verdict{violation(), conversation_.features(), conversation_.counts(),
+                        seconds(clock_.now() - began)};
     if (ran) return verdict;
     verdict.violation.reset();
     if (options_.broken_off != nullptr) *options_.broken_off = verdict;
@@ -186,8 +186,8 @@ class Run {
 
 }  // namespace
 
-Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
-                         const RunnerOptions& options) {
+Result<CaseVerdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
+                             const RunnerOptions& options) {
   return Run(link, clock, options).go(events);
 }
 

@@ -14,7 +14,7 @@
 
 namespace kaz::hil::fuzz {
 
-struct Verdict {
+struct CaseVerdict {
   std::optional<std::string> violation;
   // Codes for the kinds of board behavior that occurred during the case. These codes are the coverage that
   // guides the search.
@@ -33,15 +33,15 @@ struct RunnerOptions {
   Time patience = std::chrono::milliseconds(100);
   Time longest_start = std::chrono::seconds(3);
   std::uint8_t address = KZ_ADDRESS_DEFAULT;  // board address
-  // If the case ends with an error, the statistics of the case are stored here. The stored Verdict has no
+  // If the case ends with an error, the statistics of the case are stored here. The stored CaseVerdict has no
   // violation. May be null.
-  Verdict* broken_off = nullptr;
+  CaseVerdict* broken_off = nullptr;
 };
 
 // Waits until the board answers, applies the events, and checks again that the board answers. Then switches
 // all motors off. Returns at once after a violation. Errors: the board does not answer at the start, the link
 // is lost, or the program was interrupted.
-Result<Verdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
-                         const RunnerOptions& options);
+Result<CaseVerdict> run_case(host::Link& link, host::Clock& clock, std::span<const Event> events,
+                             const RunnerOptions& options);
 
 }  // namespace kaz::hil::fuzz

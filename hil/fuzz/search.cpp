@@ -64,7 +64,7 @@ Genome Search::next() {
   return genome;
 }
 
-bool Search::learn(const Genome& genome, const Verdict& verdict) {
+bool Search::learn(const Genome& genome, const CaseVerdict& verdict) {
   bool fresh_feature = false;
   for (const std::uint32_t feature : verdict.features)
     fresh_feature |= seen_.insert(feature).second;

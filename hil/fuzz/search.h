@@ -17,7 +17,7 @@
 
 namespace kaz::hil::fuzz {
 
-using CaseRunner = std::function<Result<Verdict>(const Genome&)>;
+using CaseRunner = std::function<Result<CaseVerdict>(const Genome&)>;
 
 class Search {
  public:
@@ -27,7 +27,7 @@ class Search {
   Genome next();
   // Processes the verdict on a case. Returns true if the case has new features and was therefore added to the
   // corpus.
-  bool learn(const Genome& genome, const Verdict& verdict);
+  bool learn(const Genome& genome, const CaseVerdict& verdict);
   const std::vector<Genome>& corpus() const { return corpus_; }
   std::size_t features() const { return seen_.size(); }
 

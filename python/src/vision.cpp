@@ -23,7 +23,7 @@ vision::FrameInfo info_of(const vision::CameraModel& camera, double time = 0) {
 }
 
 // Each keeps memory between its calls.
-using BallDetector = Locked<vision::BallDetector>;
+using BallDetector = Locked<vision::BallFinder>;
 using DepthFinder = Locked<vision::DepthFinder>;
 using FlowFinder = Locked<vision::FlowFinder>;
 using PlaneFinder = Locked<vision::PlaneSegmentFinder>;
@@ -32,7 +32,7 @@ py::object find_ball(BallDetector& detector, const Picture& picture,
                      const vision::CameraModel& camera) {
   const vision::Image image = image_of(picture);
   const auto found =
-      detector.alone([&](vision::BallDetector& d) { return d.detect(image, info_of(camera)); });
+      detector.alone([&](vision::BallFinder& d) { return d.detect(image, info_of(camera)); });
   if (found.error) raise(*found.error);
   if (!found.found) return py::none();
   py::dict ball;
@@ -46,7 +46,7 @@ py::object find_ball(BallDetector& detector, const Picture& picture,
 }
 
 py::array_t<bool> color_mask(BallDetector& detector) {
-  const vision::Mask mask = detector.alone([](vision::BallDetector& d) { return d.mask(); });
+  const vision::Mask mask = detector.alone([](vision::BallFinder& d) { return d.mask(); });
   py::array_t<bool> selected({mask.height, mask.width});
   std::ranges::transform(mask.pixels, selected.mutable_data(),
                          [](std::uint8_t pixel) { return pixel != 0; });
@@ -114,7 +114,7 @@ void add_vision(py::module_& module) {
              options.radius_m = radius_m;
              options.min_confidence = min_confidence;
              return std::make_unique<BallDetector>("this BallDetector",
-                                                   std::make_unique<vision::BallDetector>(options));
+                                                   std::make_unique<vision::BallFinder>(options));
            }),
            py::arg("radius_m") = vision::BallOptions{}.radius_m,
            py::arg("min_confidence") = vision::BallOptions{}.min_confidence)

@@ -327,7 +327,7 @@ Result<std::vector<int>> joints_of(const std::string& text) {
   return joints;
 }
 
-Result<Outcome> run_bench(const BenchOptions& given) {
+Result<ExitStatus> run_bench(const BenchOptions& given) {
   const std::string verb = verb_name(given);
   const auto arguments = KAZ_TRY(with_filter(given));
   KAZ_TRY(check_motion(arguments));
@@ -408,13 +408,13 @@ Result<Outcome> run_bench(const BenchOptions& given) {
                    "%s: this machine was too slow to judge all measurements: end other programs, "
                    "then run the bench again\n",
                    verb.c_str());
-    return Outcome::with_status(static_cast<int>(Fault::environment));
+    return ExitStatus::with_status(static_cast<int>(Fault::environment));
   }
   if (!arguments.json && std::ranges::none_of(report.plots, has_points))
     std::printf("no plots, because none of the completed measurements has a curve\n");
   if (failed == 0 && report.count(hil::Verdict::passed) == 0)
     std::fprintf(stderr, "%s: no measurement was made, so the bench did not pass\n", verb.c_str());
-  return Outcome(failed == 0 && report.count(hil::Verdict::passed) > 0);
+  return ExitStatus(failed == 0 && report.count(hil::Verdict::passed) > 0);
 }
 
 Result<bool> run_fit(const BenchFitOptions& arguments) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 #include "tools/bench/bench_target.h"
 #include "tools/run/backend.h"
 
@@ -37,7 +37,7 @@ Result<std::vector<int>> joints_of(const std::string& text);
 // Writes the reports to the folder `out`, and prints each measurement. Exit status 1: a measurement failed,
 // or no measurement passed. Exit status 3: no measurement failed, but some are undecided because a motor was
 // warm, the line was disturbed, or this machine was late.
-Result<Outcome> run_bench(const BenchOptions& arguments);
+Result<ExitStatus> run_bench(const BenchOptions& arguments);
 // Fits the motor model to a report of run_bench().
 Result<bool> run_fit(const BenchFitOptions& arguments);
 // Prints a list of all measurements with their limits.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hil/servo/pendulum_recorder.h"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 
 namespace kaz::tools {
 

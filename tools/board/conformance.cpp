@@ -272,7 +272,7 @@ Result<void> check_needs(const std::vector<const hil::Case*>& taken, unsigned al
 }
 
 // 3 where cases are undecided: neither the board nor its protocol is to blame.
-Outcome outcome_of(const hil::RunReport& report) {
+ExitStatus exit_status_of(const hil::RunReport& report) {
   if (report.count(hil::Verdict::failed) > 0) return false;
   const int undecided = report.count(hil::Verdict::undecided);
   if (undecided == 0) return true;
@@ -281,16 +281,16 @@ Outcome outcome_of(const hil::RunReport& report) {
       "kaz conformance: this machine was too slow to judge %s; end other programs and run %s "
       "again\n",
       counted(undecided, "case").c_str(), undecided == 1 ? "it" : "them");
-  return Outcome::with_status(static_cast<int>(Fault::environment));
+  return ExitStatus::with_status(static_cast<int>(Fault::environment));
 }
 
 }  // namespace
 
-Result<Outcome> run_conformance(ConformanceOptions arguments) {
+Result<ExitStatus> run_conformance(ConformanceOptions arguments) {
   const auto taken = KAZ_TRY(taken_by(arguments));
   if (arguments.list) {
     KAZ_TRY(list_cases(taken, arguments.json));
-    return Outcome(true);
+    return ExitStatus(true);
   }
   if (arguments.bus && arguments.port.empty())
     return fail(Fault::usage,
@@ -362,7 +362,7 @@ Result<Outcome> run_conformance(ConformanceOptions arguments) {
                 "interrupted after " + std::to_string(report->results.size()) + " of " +
                     counted(report->chosen(), "case") +
                     (reports.any() ? "; the reports cover the completed cases" : ""));
-  return outcome_of(*report);
+  return exit_status_of(*report);
 }
 
 }  // namespace kaz::tools

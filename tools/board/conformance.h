@@ -9,7 +9,7 @@
 #include "shared/base/result.hpp"
 #include "shared/servo_bus/registers.h"
 #include "sim/mcu/mcu_kind.h"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 
 namespace kaz::tools {
 
@@ -32,6 +32,6 @@ struct ConformanceOptions {
 
 // Runs the test cases and writes the reports. With `list`, lists the cases, and runs no case. Exit status
 // 1: a case failed. Exit status 3: no case failed, but this machine was too late to judge some cases.
-Result<Outcome> run_conformance(ConformanceOptions arguments);
+Result<ExitStatus> run_conformance(ConformanceOptions arguments);
 
 }  // namespace kaz::tools

@@ -52,7 +52,7 @@ class Recording {
  public:
   explicit Recording(const MotionRecordOptions& options) : options_(options) {}
 
-  Result<Outcome> run() {
+  Result<ExitStatus> run() {
     const InterruptSignals signals(interrupt_);
     auto file = KAZ_TRY(OutputFile::open(options_.out, "--out"));
     auto bus = KAZ_TRY(open_servo_bus(options_.backend, interrupt_));
@@ -64,7 +64,7 @@ class Recording {
     const auto problem = trim();
     if (!problem.empty()) {
       std::fprintf(stderr, "%s: %s; nothing is written\n", kVerb, problem.c_str());
-      return Outcome(false);
+      return ExitStatus(false);
     }
     auto sequence = poses();
     const double stretched = stretch(sequence);
@@ -189,7 +189,7 @@ class Recording {
     return factor;
   }
 
-  Outcome report(const motion::PoseSequence& sequence, double stretched) const {
+  ExitStatus report(const motion::PoseSequence& sequence, double stretched) const {
     const double length = sequence.poses.back().time_s;
     if (options_.json) {
       print_json({{"file", options_.out},
@@ -233,11 +233,11 @@ std::string trouble_text(std::uint8_t trouble) {
 
 }  // namespace
 
-Result<Outcome> record_motion(const MotionRecordOptions& options) {
+Result<ExitStatus> record_motion(const MotionRecordOptions& options) {
   return Recording(options).run();
 }
 
-Result<Outcome> print_bus_status(const BusStatusOptions& options) {
+Result<ExitStatus> print_bus_status(const BusStatusOptions& options) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto bus = KAZ_TRY(open_servo_bus(options.backend, interrupt));
@@ -277,7 +277,7 @@ Result<Outcome> print_bus_status(const BusStatusOptions& options) {
   if (options.json) {
     all["provenance"] = provenance_json();
     print_json(all);
-    return Outcome(good);
+    return ExitStatus(good);
   }
   std::printf("%-16s %3s %8s %9s %6s %6s %6s %5s %4s  %s\n", "joint", "id", "degrees", "position",
               "torque", "duty", "A", "V", "degC", "errors");
@@ -297,7 +297,7 @@ Result<Outcome> print_bus_status(const BusStatusOptions& options) {
   std::printf("%s, %d without an answer, %d damaged answers\n",
               counted(all["requests"].get<int>(), "request").c_str(), all["missing"].get<int>(),
               all["damaged"].get<int>());
-  return Outcome(good);
+  return ExitStatus(good);
 }
 
 }  // namespace kaz::tools

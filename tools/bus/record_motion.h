@@ -6,7 +6,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 #include "tools/run/backend_options.h"
 
 namespace kaz::tools {
@@ -21,7 +21,7 @@ struct MotionRecordOptions {
 
 // Reads the joint angles while the user moves the joints, and writes the file of poses. Drives no servo. The
 // outcome is a failure if no joint moved, or if a joint was outside of its limits.
-Result<Outcome> record_motion(const MotionRecordOptions& options);
+Result<ExitStatus> record_motion(const MotionRecordOptions& options);
 
 struct BusStatusOptions {
   BackendOptions backend;
@@ -30,6 +30,6 @@ struct BusStatusOptions {
 
 // Prints angle, torque, load, current, voltage, temperature and errors of each servo. Writes to no servo. The
 // outcome is a failure if a servo does not reply or reports an error.
-Result<Outcome> print_bus_status(const BusStatusOptions& options);
+Result<ExitStatus> print_bus_status(const BusStatusOptions& options);
 
 }  // namespace kaz::tools

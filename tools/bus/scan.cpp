@@ -143,7 +143,7 @@ std::string ids_text(const std::set<int>& ids) {
 
 }  // namespace
 
-Result<Outcome> run_bus_scan(const BusScanOptions& options) {
+Result<ExitStatus> run_bus_scan(const BusScanOptions& options) {
   const auto bus = KAZ_TRY(parse_bus(options.robot));
   auto address = bus.port;
   if (bus.protocol && !options.protocol.empty())
@@ -218,8 +218,8 @@ Result<Outcome> run_bus_scan(const BusScanOptions& options) {
     for (const host::ScanRemark& remark : one.remarks) good = good && !remark.wrong;
   for (const host::ScanRemark& remark : remarks) good = good && !remark.wrong;
   // No fault was found, but some requests are undecided.
-  const auto outcome =
-      good && late ? Outcome::with_status(static_cast<int>(Fault::environment)) : Outcome(good);
+  const auto outcome = good && late ? ExitStatus::with_status(static_cast<int>(Fault::environment))
+                                    : ExitStatus(good);
   if (options.json) {
     Json json{{"port", address.name()}, {"ok", good}, {"servos", Json::array()}};
     for (const Found& one : all) json["servos"].push_back(as_json(one));

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 
 namespace kaz::tools {
 
@@ -23,6 +23,6 @@ struct BusScanOptions {
 
 // Scans the bus and prints the servos that it finds. Exit status 1: no servo was found, or a problem was
 // found. Exit status 3: no problem was found, but this machine was too late to judge all ids.
-Result<Outcome> run_bus_scan(const BusScanOptions& options);
+Result<ExitStatus> run_bus_scan(const BusScanOptions& options);
 
 }  // namespace kaz::tools

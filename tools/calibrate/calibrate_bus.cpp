@@ -84,7 +84,7 @@ class BusCalibration {
  public:
   explicit BusCalibration(const BusCalibrationOptions& options) : options_(options) {}
 
-  Result<Outcome> run() {
+  Result<ExitStatus> run() {
     const InterruptSignals signals(interrupt_);
     if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
     path_ = servo_bus::bus_file_path(options_.backend.robot_file);
@@ -109,7 +109,7 @@ class BusCalibration {
     if (options_.json) print_json(result);
     if (!good)
       std::fprintf(stderr, "%s: not all joints have a good range; nothing is written\n", kVerb);
-    return Outcome(good);
+    return ExitStatus(good);
   }
 
  private:
@@ -398,7 +398,7 @@ class BusCalibration {
 
 }  // namespace
 
-Result<Outcome> calibrate_bus_joints(const BusCalibrationOptions& options) {
+Result<ExitStatus> calibrate_bus_joints(const BusCalibrationOptions& options) {
   return BusCalibration(options).run();
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 #include "tools/run/backend_options.h"
 
 namespace kaz::tools {
@@ -24,6 +24,6 @@ struct BusCalibrationOptions {
 // position in the range wraps around, and prints the changes. Then writes the changes to the servos' EEPROM
 // and to bus.json. If a joint has no good range, the outcome is a failure and nothing is written. After an
 // interrupt or an error nothing is written, or all writes are undone.
-Result<Outcome> calibrate_bus_joints(const BusCalibrationOptions& options);
+Result<ExitStatus> calibrate_bus_joints(const BusCalibrationOptions& options);
 
 }  // namespace kaz::tools

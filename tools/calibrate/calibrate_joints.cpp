@@ -117,7 +117,7 @@ class Calibration {
  public:
   explicit Calibration(const JointCalibrationOptions& options) : options_(options) {}
 
-  Result<Outcome> run() {
+  Result<ExitStatus> run() {
     gauges_ = KAZ_TRY(parse_gauges(options_.gauge));
     report_.gauge_error_rad = options_.gauge_error_deg * kDegree;
     report_.gauge = options_.only == "gauge" || !gauges_.empty();
@@ -130,7 +130,7 @@ class Calibration {
     if (options_.dry_run) {
       print_plan(report_.stops, report_.floor);
       if (report_.gauge) std::printf("With a gauge, the motors stay off.\n");
-      return Outcome();
+      return ExitStatus();
     }
     if (!options_.memory.empty() && port())
       return fail(
@@ -354,7 +354,7 @@ class Calibration {
     return folder_->write("joints.svg", joint_report_svg(report_));
   }
 
-  Result<Outcome> finish(const Result<void>& measured) {
+  Result<ExitStatus> finish(const Result<void>& measured) {
     auto ended = together(measured, leave());
     if (!measured) {
       report_.error = measured.error();
@@ -378,14 +378,14 @@ class Calibration {
     return judge(bad);
   }
 
-  Outcome judge(const std::vector<int>& bad) const {
+  ExitStatus judge(const std::vector<int>& bad) const {
     if (!bad.empty()) {
       std::string names;
       for (const int j : bad) names += (names.empty() ? "" : ", ") + std::string(name_of(j));
       std::fprintf(stderr, "%s: no good reading of %s; nothing is stored\n", kVerb, names.c_str());
-      return Outcome(false);
+      return ExitStatus(false);
     }
-    if (options_.json) return Outcome();
+    if (options_.json) return ExitStatus();
     if (!report_.stored)
       std::printf("not stored because of --no-store\n");
     else if (memory_file_)
@@ -397,7 +397,7 @@ class Calibration {
       std::printf(
           "the virtual board's calibration is lost after this run; to keep the calibration, give "
           "--memory FILE\n");
-    return Outcome();
+    return ExitStatus();
   }
 
   // As a whole: an interrupt waits for it.
@@ -446,7 +446,7 @@ class Calibration {
 
 }  // namespace
 
-Result<Outcome> calibrate_joints(const JointCalibrationOptions& options) {
+Result<ExitStatus> calibrate_joints(const JointCalibrationOptions& options) {
   return Calibration(options).run();
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 #include "tools/run/backend_options.h"
 
 namespace kaz::tools {
@@ -32,6 +32,6 @@ struct JointCalibrationOptions {
 // Prints the report and stores the calibration. If a joint to calibrate has no good reading, the outcome is a
 // failure and the board stays unchanged. After an interrupt or another error the board also stays unchanged;
 // `out` then contains the readings so far.
-Result<Outcome> calibrate_joints(const JointCalibrationOptions& options);
+Result<ExitStatus> calibrate_joints(const JointCalibrationOptions& options);
 
 }  // namespace kaz::tools

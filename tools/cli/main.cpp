@@ -117,7 +117,7 @@ int parse_and_run(int argc, char** argv) {
   kaz::tools::name_verb(name);
   if (const std::string empty = kaz::tools::empty_value(program); !empty.empty())
     return refuse(empty);
-  const kaz::Result<kaz::tools::Outcome> done = action();
+  const kaz::Result<kaz::tools::ExitStatus> done = action();
   if (!done) {
     const kaz::Error error = kaz::tools::with_saved_files(done.error());
     report_json(kaz::tools::chosen_verb(program), error);

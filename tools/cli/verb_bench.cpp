@@ -123,7 +123,7 @@ CLI::App* add_measuring(CLI::App& bench_verb, Action& action, const char* name, 
                "Examples:\n" +
                footer);
   verb->callback([&action, arguments, watch, verb] {
-    action = [arguments, watch, verb]() -> Result<Outcome> {
+    action = [arguments, watch, verb]() -> Result<ExitStatus> {
       const BenchTargetOptions& target = arguments->target;
       if (arguments->motor && verb->count("--disc") > 0 && !target.port.empty() &&
           target.stand != "manual")

@@ -78,7 +78,7 @@ void add_record(CLI::App& bus, Action& action) {
       "  kaz bus record --robot feetech:/dev/ttyACM0 --robot-file so101.urdf --out wave.json\n"
       "  kaz run play --poses wave.json --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
   verb->callback([&action, options] {
-    action = [options]() -> Result<Outcome> {
+    action = [options]() -> Result<ExitStatus> {
       KAZ_TRY(check_robot(*options));
       return record_motion(*options);
     };
@@ -99,7 +99,7 @@ void add_bus_status(CLI::App& bus, Action& action) {
       "  kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf\n"
       "  watch -n 0.5 kaz bus status --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
   verb->callback([&action, options] {
-    action = [options]() -> Result<Outcome> {
+    action = [options]() -> Result<ExitStatus> {
       KAZ_TRY(check_robot(*options));
       return print_bus_status(*options);
     };

@@ -172,8 +172,8 @@ void add_bus_options(CLI::App& verb, BusCalibrationOptions& options) {
                 "the robot, because it goes limp");
 }
 
-Result<Outcome> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,
-                                 BusCalibrationOptions options) {
+Result<ExitStatus> calibrate_on_bus(const CLI::App& verb, const JointCalibrationOptions& arguments,
+                                    BusCalibrationOptions options) {
   for (const char* option : kBoardOnly) {
     if (verb.count(option) > 0)
       return fail(Fault::usage, std::string(option) + " is for a robot with a servo board; leave " +
@@ -217,7 +217,7 @@ void add_joints(CLI::App& calibrate, Action& action) {
       "  kaz calibrate joints --robot serial:/dev/ttyUSB0 --gauge neck_pan=0 --gauge-error 0.3\n"
       "  kaz calibrate joints --robot feetech:/dev/ttyACM0 --robot-file so101.urdf");
   verb->callback([&action, arguments, bus, verb] {
-    action = [arguments, bus, verb]() -> Result<Outcome> {
+    action = [arguments, bus, verb]() -> Result<ExitStatus> {
       for (const char* option : kVirtualOnly) {
         if (arguments->backend.at_port() && verb->count(option) > 0)
           return fail(Fault::usage, std::string(option) + " is for the virtual robot; leave " +

@@ -36,8 +36,8 @@ void add_compare(CLI::App& program, Action& action) {
       "  kaz run go-forward --set distance=0.1 --mcu native --supply 8 --out weaker\n"
       "  kaz compare before weaker --out difference");
   verb->callback([&action, arguments] {
-    action = [arguments]() -> Result<Outcome> {
-      return Outcome(KAZ_TRY(compare_recordings(*arguments)));
+    action = [arguments]() -> Result<ExitStatus> {
+      return ExitStatus(KAZ_TRY(compare_recordings(*arguments)));
     };
   });
 }

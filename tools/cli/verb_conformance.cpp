@@ -132,7 +132,7 @@ void add_conformance(CLI::App& program, Action& action) {
       "  kaz conformance --robot dynamixel:/dev/ttyUSB0@1000000 --json report.json\n"
       "  kaz conformance --list");
   verb->callback([&action, arguments, verb] {
-    action = [arguments, verb]() -> Result<Outcome> {
+    action = [arguments, verb]() -> Result<ExitStatus> {
       KAZ_TRY(check_kind(*verb, *arguments));
       return run_conformance(*arguments);
     };

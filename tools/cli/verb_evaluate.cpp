@@ -88,8 +88,8 @@ Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t epi
 // Behaviors whose pushes are timed from the start.
 constexpr std::string_view kWithoutSteps[] = {"get-up", "search-ball", "stand", "track-ball"};
 
-Result<Outcome> start(Arguments a, const WatchArguments& watch,
-                      const std::vector<std::string>& options) {
+Result<ExitStatus> start(Arguments a, const WatchArguments& watch,
+                         const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
   auto settings = KAZ_TRY(parse_settings(a.settings));
   KAZ_TRY(load_balance(c.behavior, settings));
@@ -146,14 +146,14 @@ Result<Outcome> start(Arguments a, const WatchArguments& watch,
     std::istringstream words(a.sbatch);
     for (std::string word; words >> word;) slurm.submit.push_back(word);
     const auto succeeded = KAZ_TRY(run_on_slurm(c, slurm));
-    return Outcome(succeeded);
+    return ExitStatus(succeeded);
   }
   if (!a.hosts.empty()) {
     const auto succeeded = KAZ_TRY(run_on_hosts(c, {a.hosts, a.hosts_tasks, command_words()}));
-    return Outcome(succeeded);
+    return ExitStatus(succeeded);
   }
   const auto succeeded = KAZ_TRY(evaluate_watched(watch, c));
-  return Outcome(succeeded);
+  return ExitStatus(succeeded);
 }
 
 // Errors: options before `merge`, which are of episodes to be run.
@@ -192,11 +192,11 @@ void add_merge(CLI::App& evaluate, Action& action) {
       "  kaz evaluate search-ball --episodes 8 --shard 2/2 --out two\n"
       "  kaz evaluate merge one two --out all");
   verb->callback([&action, &evaluate, arguments] {
-    action = [&evaluate, arguments]() -> Result<Outcome> {
+    action = [&evaluate, arguments]() -> Result<ExitStatus> {
       KAZ_TRY(check_nothing_given(evaluate));
       const auto succeeded =
           KAZ_TRY(merge_campaigns(arguments->folders, arguments->out, arguments->json));
-      return Outcome(succeeded);
+      return ExitStatus(succeeded);
     };
   });
 }
@@ -389,7 +389,7 @@ void add_evaluate(CLI::App& program, Action& action) {
       "  kaz evaluate track-ball --set seconds=5 --episodes 10 --mcu native --out tracked --json");
   verb->callback([&action, arguments, watch, verb] {
     if (!verb->get_subcommands().empty()) return;
-    action = [arguments, watch, verb]() -> Result<Outcome> {
+    action = [arguments, watch, verb]() -> Result<ExitStatus> {
       if (arguments->campaign.behavior.empty())
         return fail(
             Fault::usage,

@@ -82,11 +82,11 @@ void add_replay(CLI::App& program, Action& action) {
       "  kaz replay seen/recording.mcap --view\n"
       "  kaz replay seen/recording.mcap --video seen.mp4");
   verb->callback([&action, arguments] {
-    action = [arguments]() -> Result<Outcome> {
+    action = [arguments]() -> Result<ExitStatus> {
       arguments->replay.file = recording_of(arguments->replay.file);
       if (arguments->watch.view) {
         KAZ_TRY(play_recording(arguments->watch, arguments->replay.file));
-        return Outcome();
+        return ExitStatus();
       }
       if (!arguments->film.path.empty()) {
         FilmOptions& film = arguments->film;
@@ -94,7 +94,7 @@ void add_replay(CLI::App& program, Action& action) {
         film.json = arguments->replay.json;
         if (arguments->watch.pace > 0) film.pace = arguments->watch.pace;
         KAZ_TRY(make_film(film));
-        return Outcome();
+        return ExitStatus();
       }
       if (arguments->watch.pace > 0)
         return fail(Fault::usage, "--pace is only valid with --view or --video; leave --pace out");
@@ -103,7 +103,7 @@ void add_replay(CLI::App& program, Action& action) {
       if (arguments->host) arguments->replay.mode = ReplayMode::host;
       if (arguments->whole) arguments->replay.mode = ReplayMode::whole;
       const auto identical = KAZ_TRY(replay(arguments->replay));
-      return Outcome(identical);
+      return ExitStatus(identical);
     };
   });
 }

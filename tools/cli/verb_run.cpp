@@ -219,12 +219,12 @@ void add_run(CLI::App& program, Action& action) {
       "world 'catch' for the behavior 'catch-ball', world 'boxes' for 'navigate', world 'ball' for "
       "all other behaviors");
   verb->callback([&action, arguments, verb, list] {
-    action = [arguments, verb, list]() -> Result<Outcome> {
+    action = [arguments, verb, list]() -> Result<ExitStatus> {
       if (*list) {
         KAZ_TRY(check_alone(*verb));
         const auto behavior = KAZ_TRY(behavior::named_behavior(arguments->run.behavior));
         print_lines("%s", behavior_text(behavior).c_str());
-        return Outcome();
+        return ExitStatus();
       }
       KAZ_TRY(check_given(*verb, arguments->run.behavior, arguments->run.backend.robot));
       if (verb->count("--world") == 0)

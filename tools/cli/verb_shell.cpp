@@ -185,7 +185,7 @@ void add_shell(CLI::App& program, Action& action) {
       ->type_name("bash");
   completion->footer("Examples:\n  source <(kaz completion bash)");
   completion->callback([&program, &action, shell] {  // which CLI11 writes to until then
-    action = [&program]() -> Result<Outcome> {
+    action = [&program]() -> Result<ExitStatus> {
       std::fputs(bash_completion(program).c_str(), stdout);
       return true;
     };
@@ -198,7 +198,7 @@ void add_shell(CLI::App& program, Action& action) {
       ->type_name("");
   man->footer("Examples:\n  kaz man | man -l -\n  kaz man mcu run | man -l -");
   man->callback([&program, &action, verb] {
-    action = [&program, verb]() -> Result<Outcome> {
+    action = [&program, verb]() -> Result<ExitStatus> {
       CLI::App* app = &program;
       for (const std::string& word : *verb) {
         const auto verbs =

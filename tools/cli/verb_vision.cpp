@@ -35,7 +35,7 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
                                 ": give left, top, width and height in px, such as 120,80,40,30");
 }
 
-Result<Outcome> learn(const LearnArguments& arguments) {
+Result<ExitStatus> learn(const LearnArguments& arguments) {
   const auto region = KAZ_TRY(parse_region(arguments.region));
   auto out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
   const auto image = KAZ_TRY(vision::read_picture(arguments.in));
@@ -59,7 +59,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
   KAZ_TRY(out.write(text));
   if (arguments.json) {
     std::printf("%s", text.c_str());
-    return Outcome(true);
+    return ExitStatus(true);
   }
   print_lines(
       "color: hue %.3f to %.3f rad, saturation at least %.2f, lightness at least %.0f; %.1f %% of "
@@ -68,7 +68,7 @@ Result<Outcome> learn(const LearnArguments& arguments) {
       learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
       learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
   if (!warning.empty()) print_lines("warning: %s\n", warning.c_str());
-  return Outcome(true);
+  return ExitStatus(true);
 }
 
 void add_learn(CLI::App& vision, Action& action) {

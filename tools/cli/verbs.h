@@ -6,13 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 
 namespace kaz::tools {
 
 // The action runs after the whole command line has been parsed. If the action returns an Error, the fault of
 // the Error determines the exit status (shared/base/result.hpp).
-using Action = std::function<Result<Outcome>()>;
+using Action = std::function<Result<ExitStatus>()>;
 
 // Declares add_NAME for each verb. The file verb_NAME.cpp defines this function.
 #define KAZ_VERB(name, interrupt) void add_##name(CLI::App& program, Action& action);

@@ -143,7 +143,7 @@ Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve_o
   return served;
 }
 
-Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench) {
+Result<ExitStatus> bench_watched(const WatchArguments& arguments, BenchOptions bench) {
   if (!arguments.view) return run_bench(bench);
   const bool real = !bench.target.port.empty();
   if (real && arguments.pace > 0)

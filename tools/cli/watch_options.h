@@ -29,7 +29,7 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced = t
 // is given, the functions also run a server for viewers.
 Result<bool> run_watched(const WatchArguments& arguments, RunOptions run_options);
 Result<bool> serve_watched(const WatchArguments& arguments, ServeOptions serve);
-Result<Outcome> bench_watched(const WatchArguments& arguments, BenchOptions bench);
+Result<ExitStatus> bench_watched(const WatchArguments& arguments, BenchOptions bench);
 Result<bool> monitor_watched(const WatchArguments& arguments, MonitorOptions monitor);
 Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions campaign);
 // Plays a recording for viewers until Ctrl-C.

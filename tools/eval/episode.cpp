@@ -79,7 +79,7 @@ class EpisodeObserver final : public RunObserver {
 };
 
 Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& ended,
-                  const Verdict& verdict, const Judge& judge) {
+                  const EpisodeVerdict& verdict, const Judge& judge) {
   const auto& outcome = ended.outcome;
   Json results = Json::object();
   if (outcome) {
@@ -213,9 +213,9 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   Ended ended = observer.end();
   if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const Verdict verdict = ended.crashed
-                              ? Verdict{.cause = "crashed", .judged = is_judged(task.name)}
-                              : verdict_of(task, ended.outcome, judge);
+  const EpisodeVerdict verdict =
+      ended.crashed ? EpisodeVerdict{.cause = "crashed", .judged = is_judged(task.name)}
+                    : verdict_of(task, ended.outcome, judge);
   if (verdict.success) {
     KAZ_TRY(remove_run(kept));
   } else if (!ended.crashed) {

@@ -336,9 +336,10 @@ Result<Task> task_of(const std::string& name, const behavior::OptionValues& opti
   return task;
 }
 
-Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge) {
+EpisodeVerdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome,
+                          const Judge& judge) {
   const Criterion* criterion = criterion_of(task.name);
-  Verdict verdict{.judged = criterion != nullptr, .claim = outcome && outcome->success};
+  EpisodeVerdict verdict{.judged = criterion != nullptr, .claim = outcome && outcome->success};
   const auto failed = [&verdict](const std::string& cause) {
     verdict.cause = cause;
     return verdict;

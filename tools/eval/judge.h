@@ -147,7 +147,7 @@ class Judge final : public RunObserver {
 };
 
 // Result of an episode, and the claim of the behavior.
-struct Verdict {
+struct EpisodeVerdict {
   bool success = false;
   std::string cause = {};  // reason of the failure; empty for a success
   // True: ground truth decided. False: the task is unknown, so the claim decided unless the robot fell.
@@ -174,6 +174,7 @@ struct Verdict {
 // touch is the cause of the failure. Otherwise, the cause that the behavior reports is used. If the behavior
 // claims success, the cause is the unmet criterion. For tasks that are not listed, the behavior's claim
 // decides.
-Verdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome, const Judge& judge);
+EpisodeVerdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome,
+                          const Judge& judge);
 
 }  // namespace kaz::tools

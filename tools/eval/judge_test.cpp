@@ -34,9 +34,9 @@ Truth standing(double time_s) {
 }
 
 // Looks ten times a second for `duration_s`; `change` makes each truth.
-Verdict judged(const Task& task, double duration_s,
-               const std::function<void(double, Truth&)>& change,
-               const behavior::Outcome& claim = kClaims, const JudgeOptions& options = {}) {
+EpisodeVerdict judged(const Task& task, double duration_s,
+                      const std::function<void(double, Truth&)>& change,
+                      const behavior::Outcome& claim = kClaims, const JudgeOptions& options = {}) {
   Judge judge(options);
   for (int i = 0; i <= static_cast<int>(std::lround(10 * duration_s)); ++i) {
     Truth truth = standing(0.1 * i);
@@ -78,7 +78,7 @@ TEST(Judge, OfACatchIsTheBallInTheLastThreeSeconds) {
   // Held for longer, and dropped before the end.
   EXPECT_EQ(judged(task, 10, lifted(1, 9.85)).cause, "not held");
   // Held, although the behavior does not believe it.
-  const Verdict unbelieved = judged(task, 5, lifted(1, 9), kAdmits);
+  const EpisodeVerdict unbelieved = judged(task, 5, lifted(1, 9), kAdmits);
   EXPECT_TRUE(unbelieved.success);
   EXPECT_FALSE(unbelieved.claim);
 }
@@ -182,7 +182,7 @@ TEST(Judge, BelievesNoErrorAndNoUnknownTask) {
   judge.look(standing(5));
   EXPECT_EQ(verdict_of({.name = "stand"}, fail(Fault::failed, "broken"), judge).cause, "error");
   EXPECT_TRUE(verdict_of({.name = "stand"}, kClaims, judge).judged);
-  const Verdict unknown = verdict_of({.name = "./wave.so"}, kClaims, judge);
+  const EpisodeVerdict unknown = verdict_of({.name = "./wave.so"}, kClaims, judge);
   EXPECT_TRUE(unknown.success && !unknown.judged);
   EXPECT_EQ(verdict_of({.name = "./wave.so"}, kAdmits, judge).cause, "not reached");
 }

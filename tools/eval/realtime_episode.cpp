@@ -380,7 +380,7 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   if (result.contains("outcome"))
     outcome = behavior::Outcome{result["outcome"] == "done", sentence, measurements_of(result),
                                 result.value("cause", std::string())};
-  Verdict verdict = verdict_of(task, outcome, judge);
+  EpisodeVerdict verdict = verdict_of(task, outcome, judge);
   if (!broken_off.empty() && verdict.cause != "fell" && verdict.cause != "touched")
     verdict = {.cause = broken_off, .judged = verdict.judged};
   Json results = Json::object();

@@ -35,8 +35,8 @@
 namespace kaz::tools {
 namespace {
 
+using hil::fuzz::CaseVerdict;
 using hil::fuzz::Genome;
-using hil::fuzz::Verdict;
 
 using WallTime = std::chrono::steady_clock;
 
@@ -68,11 +68,11 @@ class PortTarget {
     return port;
   }
   // Of the last case, if an error ended it.
-  Verdict broken_off;
+  CaseVerdict broken_off;
   // The board is afterwards as it was found.
   Result<void> end() { return kept_->end(); }
   // A violation is one where this machine and the program at the other end were punctual.
-  Result<Verdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
+  Result<CaseVerdict> run(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
     for (int again = host::LatenessMeter::kRepetitions;; --again) {
       if (options_.wear_flash) {
         KAZ_TRY(bring_home());
@@ -95,7 +95,7 @@ class PortTarget {
   }
 
  private:
-  Result<Verdict> run_once(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
+  Result<CaseVerdict> run_once(const Genome& genome, const hil::fuzz::GrammarOptions& grammar) {
     host::FaultyLink faulty(meter_, meter_, {}, seed_);
     hil::fuzz::RunnerOptions runner;
     runner.patience = std::chrono::milliseconds(200);
@@ -195,7 +195,7 @@ class Fuzzing {
         progress.done();
         return ended(ran.error(), search);
       }
-      const Verdict& verdict = *ran;
+      const CaseVerdict& verdict = *ran;
       if (verdict.violation) {
         progress.done();
         return report_failure(genome, search);
@@ -327,7 +327,7 @@ class Fuzzing {
                     : "interrupted after " + counted(totals_.cases, "case") + "; none failed");
   }
 
-  Result<Verdict> one(const Genome& genome) {
+  Result<CaseVerdict> one(const Genome& genome) {
     if (interrupt_.requested()) return tl::unexpected(host::Interrupt::error());
     const auto verdict = one_to_its_end(genome);
     if (verdict) ++totals_.cases;
@@ -336,7 +336,7 @@ class Fuzzing {
     return verdict;
   }
 
-  Result<Verdict> one_to_its_end(const Genome& genome) {
+  Result<CaseVerdict> one_to_its_end(const Genome& genome) {
     if (port_) {
       port_->broken_off = {};
       auto verdict = port_->run(genome, grammar_);
@@ -355,7 +355,7 @@ class Fuzzing {
     return *verdict;
   }
 
-  void begun(const Verdict& broken_off) {
+  void begun(const CaseVerdict& broken_off) {
     if (broken_off.counts.requests + broken_off.counts.damaged > 0) ++totals_.broken_off;
   }
 
@@ -371,7 +371,7 @@ class Fuzzing {
         std::max(totals_.worst_overshoot_rad, verdict.worst_overshoot_rad);
   }
 
-  void count(const Verdict& verdict) {
+  void count(const CaseVerdict& verdict) {
     totals_.requests += verdict.counts.requests;
     totals_.replies += verdict.counts.replies;
     totals_.refusals += verdict.counts.refusals;

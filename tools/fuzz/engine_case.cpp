@@ -178,7 +178,7 @@ Result<EngineVerdict> run_engine_case(const hil::fuzz::Genome& genome,
   const auto events = hil::fuzz::events_of(genome, options.grammar);
   runner.broken_off = &verdict;
   const auto run = hil::fuzz::run_case(link, clock, events, runner);
-  if (run) static_cast<hil::fuzz::Verdict&>(verdict) = *run;
+  if (run) static_cast<hil::fuzz::CaseVerdict&>(verdict) = *run;
   verdict.features.insert(ticks.features().begin(), ticks.features().end());
   verdict.ticks = ticks.ticks();
   if (engine.h8 != nullptr) {

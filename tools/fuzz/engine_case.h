@@ -28,7 +28,7 @@ struct EngineOptions {
   EngineVerdict* broken_off = nullptr;  // same as RunnerOptions::broken_off
 };
 
-struct EngineVerdict : hil::fuzz::Verdict {
+struct EngineVerdict : hil::fuzz::CaseVerdict {
   long long ticks = 0;
   std::uint16_t worst_busy_8states = 0;  // h8: longest tick, in units of 8 states
   // H8: engine that executed the firmware, such as "translator".

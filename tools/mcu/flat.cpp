@@ -50,7 +50,7 @@ class FlatRun {
   explicit FlatRun(const McuRunOptions& options)
       : options_(options), flat_({options.engine, options.semihost}) {}
 
-  Result<Outcome> run(const h8s::Image& image) {
+  Result<ExitStatus> run(const h8s::Image& image) {
     if (const auto loaded = flat_.load(image); !loaded)
       return fail(Fault::usage, options_.image + ": " + loaded.error().message);
     const InterruptSignals signals(interrupt_);
@@ -118,13 +118,13 @@ class FlatRun {
                  static_cast<long long>(flat_.now()));
   }
 
-  Result<Outcome> end_of_program(const h8s::FlatStop& stop) {
+  Result<ExitStatus> end_of_program(const h8s::FlatStop& stop) {
     if (stop.reason != Reason::exited) std::fprintf(stderr, "kaz mcu run: %s\n", stop.text.c_str());
     print_counts();
-    return Outcome::with_status(stop.reason == Reason::exited ? stop.status : kNotTheProgram);
+    return ExitStatus::with_status(stop.reason == Reason::exited ? stop.status : kNotTheProgram);
   }
 
-  Result<Outcome> end_of_run(const h8s::FlatStop& stop, bool interrupted) {
+  Result<ExitStatus> end_of_run(const h8s::FlatStop& stop, bool interrupted) {
     const bool done = stop.reason == Reason::reached || stop.reason == Reason::asleep;
     if (options_.json) {
       nlohmann::ordered_json result{{"stop", interrupted ? "interrupted" : name_of(stop.reason)},
@@ -150,7 +150,7 @@ class FlatRun {
 
 }  // namespace
 
-Result<Outcome> run_flat(const McuRunOptions& options, const h8s::Image& image) {
+Result<ExitStatus> run_flat(const McuRunOptions& options, const h8s::Image& image) {
   return FlatRun(options).run(image);
 }
 

@@ -159,7 +159,7 @@ Result<void> start(h8s::Chip& chip, const McuRunOptions& options, const h8s::Ima
 
 }  // namespace
 
-Result<Outcome> run_mcu(const McuRunOptions& options) {
+Result<ExitStatus> run_mcu(const McuRunOptions& options) {
   auto image = h8s::load_image(options.image, options.load);
   if (!image) return fail(Fault::usage, image.error().message);
   if (options.flat) {

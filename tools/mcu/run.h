@@ -10,7 +10,7 @@
 #include "shared/base/result.hpp"
 #include "shared/image/image.h"
 #include "sim/h8s/chip/options.h"
-#include "tools/base/outcome.h"
+#include "tools/base/exit_status.h"
 #include "tools/mcu/debug.h"
 
 namespace kaz::tools {
@@ -41,10 +41,10 @@ struct McuRunOptions {
 
 // Writes the bytes that the program sends on SCI0 to standard output, and a summary to standard error. The
 // outcome is a failure if the chip stopped with an error. All input pins are low except RxD0, which idles.
-Result<Outcome> run_mcu(const McuRunOptions& options);
+Result<ExitStatus> run_mcu(const McuRunOptions& options);
 // Runs the image on the flat machine (flat.cpp). With semihosting the outcome is the program's exit status.
 // If the program ended without exit status, the outcome is 125, and a line on standard error states the
 // reason.
-Result<Outcome> run_flat(const McuRunOptions& options, const h8s::Image& image);
+Result<ExitStatus> run_flat(const McuRunOptions& options, const h8s::Image& image);
 
 }  // namespace kaz::tools

@@ -41,35 +41,35 @@ void print_error(const RunStack& stack, const Error& error) {
   std::fprintf(stderr, "%s: %s\n", stack.plan.options().label.c_str(), error.message.c_str());
 }
 
-RunReport report_of(RunStack& stack, RunEnd& end) {
+BehaviorReport report_of(RunStack& stack, RunEnd& end) {
   const RunRecorder& recorder = *stack.recorder;
   const behavior::Outcome cut_short{
       false, "ended by " + std::string(received_signal_name()), {}, {}};
-  return RunReport{stack.plan.options().behavior,
-                   stack.plan.backend(),
-                   end.interrupted() ? cut_short : *end.outcome,
-                   end.run_s,
-                   end.run_s / end.wall_s,
-                   score(recorder.recording(), recorder.probe(), recorder.start()),
-                   stack.robot.robot.identity(),
-                   end.health.value_or(kz_statistics_reply{}),
-                   stack.robot.robot.statistics(),
-                   recorder.start(),
-                   recorder.recording(),
-                   recorder.probe(),
-                   module_statistics_json(stack.eyes->pipeline()),
-                   module_statistics_text(stack.eyes->pipeline()),
-                   stack.eyes->deliveries().text(),
-                   end.interrupted(),
-                   std::move(end.profile),
-                   *end.sha256,
-                   stack.robot.backend->camera_warning(),
-                   end.lateness,
-                   end.machine_failed,
-                   &recorder.map(),
-                   end.not_begun,
-                   std::move(stack.start_pose),
-                   stack.plan.behavior().needs_camera};
+  return BehaviorReport{stack.plan.options().behavior,
+                        stack.plan.backend(),
+                        end.interrupted() ? cut_short : *end.outcome,
+                        end.run_s,
+                        end.run_s / end.wall_s,
+                        score(recorder.recording(), recorder.probe(), recorder.start()),
+                        stack.robot.robot.identity(),
+                        end.health.value_or(kz_statistics_reply{}),
+                        stack.robot.robot.statistics(),
+                        recorder.start(),
+                        recorder.recording(),
+                        recorder.probe(),
+                        module_statistics_json(stack.eyes->pipeline()),
+                        module_statistics_text(stack.eyes->pipeline()),
+                        stack.eyes->deliveries().text(),
+                        end.interrupted(),
+                        std::move(end.profile),
+                        *end.sha256,
+                        stack.robot.backend->camera_warning(),
+                        end.lateness,
+                        end.machine_failed,
+                        &recorder.map(),
+                        end.not_begun,
+                        std::move(stack.start_pose),
+                        stack.plan.behavior().needs_camera};
 }
 
 // Returns the result of a run whose report is complete. `undrawn`: a signal ended the drawing of pictures.
@@ -134,7 +134,7 @@ Result<bool> report(RunStack& stack, RunEnd& end) {
   }
   if (!end.interrupted()) end.sha256 = stack.robot.backend->finish_recording();
   if (!end.sha256) return tl::unexpected(lost(stack, end, end.sha256.error()));
-  const RunReport report = report_of(stack, end);
+  const BehaviorReport report = report_of(stack, end);
   sim::Simulation* const simulation = stack.robot.backend->simulation();
   const auto written = write_report(report, simulation, stack.eyes->snapshots(),
                                     stack.files.folder(), stack.plan.records_in_folder());

@@ -23,10 +23,10 @@ struct RunEnd {
   std::vector<faults::Fault> not_begun = {};  // SessionBackend::faults_not_begun()
   std::optional<RunProfile> profile = {};
   std::optional<RunLateness> lateness = {};  // set only for a run at a port
-  bool machine_failed = false;               // RunReport::machine_failed
+  bool machine_failed = false;               // BehaviorReport::machine_failed
   Result<kz_statistics_reply> health = {};   // the board's statistics
   Result<void> left = {};                    // error if a board could not be restored
-  Result<std::string> sha256 = {};  // hash of the complete recording; empty without one
+  Result<std::string> sha256 = {};           // hash of the complete recording; empty without one
 
   bool interrupted() const { return !outcome && outcome.error().fault == Fault::interrupted; }
 };

@@ -45,7 +45,7 @@ ordered_json thinned_errors(const Score& score) {
   return rows;
 }
 
-ordered_json board_json(const RunReport& report) {
+ordered_json board_json(const BehaviorReport& report) {
   const double tick_8states = KZ_STATES_PER_TICK / 8.0;
   ordered_json json{{"firmware", host::firmware_version_text(report.identity.firmware_version)},
                     {"protocol", report.identity.protocol_version},
@@ -83,7 +83,7 @@ ordered_json lateness_json(const RunLateness& lateness) {
   return json;
 }
 
-figure::LinePlot joint_plot(const RunReport& report, const std::string& title,
+figure::LinePlot joint_plot(const BehaviorReport& report, const std::string& title,
                             double behavior::CycleRow::*target,
                             double behavior::CycleRow::*measured,
                             double TruthProbe::Sample::*truth) {
@@ -122,7 +122,7 @@ bool has_points(const figure::LinePlot& plot) {
 }
 
 // Plots without a point are left out.
-figure::PlotPage tracking_page(const RunReport& report) {
+figure::PlotPage tracking_page(const BehaviorReport& report) {
   figure::LinePlot error;
   error.title = "Angle between the left eye's axis and the ball";
   error.y_label = "degrees";
@@ -149,14 +149,14 @@ figure::PlotPage tracking_page(const RunReport& report) {
 }
 
 // Writes the map as a picture. Returns false if the behavior has no map.
-Result<bool> write_map(const RunReport& report, const OutputFolder& folder) {
+Result<bool> write_map(const BehaviorReport& report, const OutputFolder& folder) {
   if (report.map == nullptr || !*report.map) return false;
   KAZ_TRY(figure::write_png(folder.path("map.png"), **report.map));
   return true;
 }
 
 // What an onlooker sees at the start and at the end; nothing of a real robot. Returns the names written.
-Result<std::vector<std::string>> write_start_and_end(const RunReport& report,
+Result<std::vector<std::string>> write_start_and_end(const BehaviorReport& report,
                                                      sim::Simulation* simulation,
                                                      const OutputFolder& folder) {
   constexpr int kWidth = 640;
@@ -173,7 +173,8 @@ Result<std::vector<std::string>> write_start_and_end(const RunReport& report,
   return names;
 }
 
-Result<std::vector<std::string>> write_pictures(const RunReport& report, const Snapshots& snapshots,
+Result<std::vector<std::string>> write_pictures(const BehaviorReport& report,
+                                                const Snapshots& snapshots,
                                                 const OutputFolder& folder) {
   auto names = snapshots.write(folder);
   if (!names) return names;
@@ -189,7 +190,7 @@ Result<std::vector<std::string>> write_pictures(const RunReport& report, const S
   return names;
 }
 
-const char* word_of(const RunReport& report) {
+const char* word_of(const BehaviorReport& report) {
   if (report.interrupted) return "interrupted";
   if (report.machine_failed) return "environment";
   return report.outcome.success ? "done" : "failed";
@@ -197,7 +198,7 @@ const char* word_of(const RunReport& report) {
 
 // Returns the text that follows the outcome's sentence: ", by ground truth 98.2 %". Without ground truth, the
 // score uses the same pictures as a tracking behavior, whose sentence already states this share.
-std::string score_text(const RunReport& report) {
+std::string score_text(const BehaviorReport& report) {
   if (!report.score.found_s || !report.score.within_3deg) return "";
   const bool by_truth = report.score.measured_by == "truth";
   const bool stated = std::ranges::any_of(report.outcome.measurements, [](const auto& measurement) {
@@ -255,7 +256,7 @@ ordered_json broken_off_json(const char* outcome, const std::string& sentence,
   return result;
 }
 
-Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
+Result<ordered_json> write_report(const BehaviorReport& report, sim::Simulation* simulation,
                                   const Snapshots& snapshots, const OutputFolder* folder,
                                   bool recorded) {
   ordered_json result{{"outcome", word_of(report)},
@@ -333,7 +334,7 @@ Result<ordered_json> write_report(const RunReport& report, sim::Simulation* simu
   return result;
 }
 
-void print_report(const ordered_json& result, const RunReport& report, const std::string& out,
+void print_report(const ordered_json& result, const BehaviorReport& report, const std::string& out,
                   bool json) {
   if (json) {
     print_json(result);

@@ -19,7 +19,7 @@
 
 namespace kaz::tools {
 
-struct RunReport {
+struct BehaviorReport {
   std::string behavior = {};
   BackendOptions backend = {};
   behavior::Outcome outcome = {};
@@ -68,12 +68,12 @@ void add_times(nlohmann::ordered_json& result, double run_s, double rtf);
 
 // Writes all files into `folder`, result.json last. Writes no files if `folder` is null. `recorded`: the
 // folder contains a completed recording under its temporary name. Returns the content of result.json.
-Result<nlohmann::ordered_json> write_report(const RunReport& report, sim::Simulation* simulation,
-                                            const Snapshots& snapshots, const OutputFolder* folder,
-                                            bool recorded);
+Result<nlohmann::ordered_json> write_report(const BehaviorReport& report,
+                                            sim::Simulation* simulation, const Snapshots& snapshots,
+                                            const OutputFolder* folder, bool recorded);
 
 // Prints a few lines for users to standard output. With `json`, prints the complete result instead.
-void print_report(const nlohmann::ordered_json& result, const RunReport& report,
+void print_report(const nlohmann::ordered_json& result, const BehaviorReport& report,
                   const std::string& out, bool json);
 
 }  // namespace kaz::tools

@@ -59,7 +59,7 @@ class Report : public testing::Test {
 
   std::string folder_;
   behavior::Recording recording_;
-  RunReport report_{.recording = recording_};
+  BehaviorReport report_{.recording = recording_};
   NoCamera no_camera_;
   RunObserver observer_;
   RememberingCamera camera_{no_camera_, observer_};

@@ -17,7 +17,7 @@ const Eigen::Vector3d kEye(1.62, -0.62, 0.88), kTarget(0.26, 0.02, 0.07);
 
 MomentPictures look(const vision::Image& left, const vision::FrameInfo& info,
                     const vision::BallOptions& options) {
-  vision::BallDetector detector{options};
+  vision::BallFinder detector{options};
   const vision::BallObservation ball = detector.detect(left, info);
   MomentPictures moment;
   moment.left = figure::enlarge(left, 2);

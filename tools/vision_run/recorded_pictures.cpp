@@ -141,7 +141,7 @@ std::string csv(const std::vector<Looked>& all) {
 }
 
 // One picture; its overlay is written, if it could be looked at.
-Result<Looked> look(const std::string& path, const Lens& lens, vision::BallDetector& detector,
+Result<Looked> look(const std::string& path, const Lens& lens, vision::BallFinder& detector,
                     const OutputFolder& folder) {
   Looked looked{fs::path(path).filename().string(), {}, {}, 0};
   auto image = vision::read_picture(path);
@@ -256,7 +256,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
   if (fs::equivalent(options.in, options.out, error))
     return fail(Fault::usage, "--out is the folder of --in: choose another folder for the results");
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
-  vision::BallDetector detector(ball);
+  vision::BallFinder detector(ball);
   std::vector<Looked> all;
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);

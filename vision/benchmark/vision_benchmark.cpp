@@ -82,7 +82,7 @@ void peer_regions(benchmark::State& state, int width) {
 void ball(benchmark::State& state, int width) {
   const CameraModel camera = test_camera(width, width * 3 / 4);
   const Image image = bench_picture(camera);
-  BallDetector detector({});
+  BallFinder detector({});
   const FrameInfo info = test_info(camera);
   for (auto _ : state) {
     if (!detector.detect(image, info).found) state.SkipWithError("the ball was not found");

@@ -198,7 +198,7 @@ std::optional<Error> unfit(const Image& image, const CameraModel& camera) {
 
 }  // namespace
 
-BallObservation BallDetector::detect(const Image& image, const FrameInfo& info) {
+BallObservation BallFinder::detect(const Image& image, const FrameInfo& info) {
   BallObservation best;
   best.info = info;
   best.error = unfit(image, info.camera);

@@ -52,10 +52,9 @@ struct BallObservation {
   Eigen::Vector3d position() const { return direction * distance_m; }  // m, optical frame
 };
 
-class BallDetector {
+class BallFinder {
  public:
-  explicit BallDetector(const BallOptions& options)
-      : options_(options), extractor_(options.color) {}
+  explicit BallFinder(const BallOptions& options) : options_(options), extractor_(options.color) {}
 
   // Searches one picture and copies `info` into the result. The result is the candidate with the highest
   // confidence. If the posture is known, candidates whose size fits a ball on the floor are preferred to all

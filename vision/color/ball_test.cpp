@@ -13,7 +13,7 @@ namespace {
 constexpr double kRadius = 0.020;
 
 BallObservation look(const Image& image, const CameraModel& camera) {
-  return BallDetector({}).detect(image, test_info(camera));
+  return BallFinder({}).detect(image, test_info(camera));
 }
 
 // At pixel (u, v), `distance` from the lens.
@@ -59,7 +59,7 @@ TEST(Cone, EllipseAxesAgreeWithTangents) {
   EXPECT_FALSE(ellipse_axes({{std::sin(1.55), 0, std::cos(1.55)}, a}));
 }
 
-TEST(BallDetector, SubPixelOnAntiAliasedSpheres) {
+TEST(BallFinder, SubPixelOnAntiAliasedSpheres) {
   const CameraModel camera = test_camera();
   TestRandom random(3);
   for (int i = 0; i < 60; ++i) {
@@ -77,7 +77,7 @@ TEST(BallDetector, SubPixelOnAntiAliasedSpheres) {
   }
 }
 
-TEST(BallDetector, CutAtTheEdgeOfThePicture) {
+TEST(BallFinder, CutAtTheEdgeOfThePicture) {
   const CameraModel camera = test_camera();
   // 0.25 m: about 15 px radius; centres from 5 px inside to 4 px outside the picture.
   for (const auto& [u, v] : {std::pair{5.0, 120.0},
@@ -97,7 +97,7 @@ TEST(BallDetector, CutAtTheEdgeOfThePicture) {
   }
 }
 
-TEST(BallDetector, HiddenInPart) {
+TEST(BallFinder, HiddenInPart) {
   const CameraModel camera = test_camera();
   Image image = plain_picture(320, 240, kTestGrey);
   paint_sphere(image, camera, place(camera, 160, 120, 0.2), kRadius, kTestRed);
@@ -116,7 +116,7 @@ TEST(BallDetector, HiddenInPart) {
   EXPECT_LT(ball.confidence, 0.9);
 }
 
-TEST(BallDetector, AHighlightIsNoHole) {
+TEST(BallFinder, AHighlightIsNoHole) {
   const CameraModel camera = test_camera();
   Image image = plain_picture(320, 240, kTestGrey);
   paint_sphere(image, camera, place(camera, 150, 110, 0.2), kRadius, kTestRed);
@@ -144,7 +144,7 @@ Image smeared(const CameraModel& camera, double u, double v, double distance, in
 }
 
 // Rather no ball than one at the wrong distance; the radius is 3.9 to 7.6 px here.
-TEST(BallDetector, WideMotionBlurIsNoDistance) {
+TEST(BallFinder, WideMotionBlurIsNoDistance) {
   CameraModel camera = test_camera();  // the middle of its picture
   camera.width = 100, camera.height = 80, camera.cx = 49.5, camera.cy = 39.5;
   int lost = 0;
@@ -162,7 +162,7 @@ TEST(BallDetector, WideMotionBlurIsNoDistance) {
   EXPECT_GT(lost, 0);
 }
 
-TEST(BallDetector, PrefersTheRoundRegionToALargerSquare) {
+TEST(BallFinder, PrefersTheRoundRegionToALargerSquare) {
   const CameraModel camera = test_camera();
   Image image = plain_picture(320, 240, kTestGrey);
   paint_sphere(image, camera, place(camera, 60, 60, 0.3), kRadius, kTestRed);
@@ -179,7 +179,7 @@ TEST(BallDetector, PrefersTheRoundRegionToALargerSquare) {
   EXPECT_NEAR(ball.center_u, 60, 0.2);
 }
 
-TEST(BallDetector, OtherColoursAreNoBall) {
+TEST(BallFinder, OtherColoursAreNoBall) {
   const CameraModel camera = test_camera();
   for (const TestColor& color : {TestColor{240, 140, 20},
                                  {40, 170, 60},
@@ -195,7 +195,7 @@ TEST(BallDetector, OtherColoursAreNoBall) {
   }
 }
 
-TEST(BallDetector, HostilePictures) {
+TEST(BallFinder, HostilePictures) {
   const CameraModel camera = test_camera();
   EXPECT_TRUE(look(Image{}, camera).error.has_value());
   EXPECT_TRUE(look(plain_picture(10, 10, kTestRed), camera).error.has_value());  // another size

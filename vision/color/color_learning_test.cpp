@@ -55,7 +55,7 @@ TEST(LearnColor, FindsBallsOfManyHues) {
     const Scene other(color, 2);
     BallOptions options;
     options.color = learned->range;
-    const BallObservation ball = BallDetector(options).detect(other.image, test_info(other.camera));
+    const BallObservation ball = BallFinder(options).detect(other.image, test_info(other.camera));
     ASSERT_TRUE(ball.found) << color.r << " " << color.g;
     EXPECT_NEAR(ball.center_u, other.u, 0.5);
     EXPECT_NEAR(ball.center_v, other.v, 0.5);

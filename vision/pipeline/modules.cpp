@@ -22,7 +22,7 @@ class ColorModule final : public Module {
   }
 
  private:
-  BallDetector detector_;
+  BallFinder detector_;
   Time latency_;
 };
 

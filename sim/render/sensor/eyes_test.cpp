@@ -45,7 +45,7 @@ class Grounds : public testing::TestWithParam<const char*> {
   TestScene scene_;
   int ball_ = 0;
   std::unique_ptr<Renderer> renderer_;
-  vision::BallDetector detector_{vision::BallOptions{}};
+  vision::BallFinder detector_{vision::BallOptions{}};
 };
 
 TEST_P(Grounds, TheBallIsFoundWhereItIs) {

@@ -5,6 +5,6 @@
 #include "vision/color/ball.h"
 
 int main() {
-  const kaz::vision::BallDetector detector{kaz::vision::BallOptions{}};
+  const kaz::vision::BallFinder detector{kaz::vision::BallOptions{}};
   std::printf("looks for a ball of %.0f mm\n", 2000 * kaz::vision::BallOptions{}.radius_m);
 }

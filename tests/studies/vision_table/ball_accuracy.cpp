@@ -10,7 +10,7 @@ Result<void> measure_accuracy(int width, Visibility visibility, int pictures, Ta
   World world("wood", sim::kRedBall, false, false);
   const Eyes eyes(width, {});
   auto renderer = KAZ_TRY(renderer_of(table.renderer, world));
-  vision::BallDetector detector({});
+  vision::BallFinder detector({});
   std::uint64_t number = 0;
   for (const double distance_m : kDistances_m) {
     AccuracyRow row;

@@ -81,7 +81,7 @@ Result<figure::Panel> hard(const std::string& name, const std::string& caption,
   Random random(5);
   const Placement place = place_ball(random, eyes.camera(), 0.5, Visibility::whole, world);
   const auto picture = KAZ_TRY(eyes.take_left(*renderer, world.scene.pose, place.eye, 1));
-  const auto ball = vision::BallDetector({}).detect(picture, eyes.info(place.eye));
+  const auto ball = vision::BallFinder({}).detect(picture, eyes.info(place.eye));
   const int left = std::clamp(static_cast<int>(place.u) - kWidth / 2, 0, picture.width - kWidth);
   const int top = std::clamp(static_cast<int>(place.v) - kHeight / 2, 0, picture.height - kHeight);
   figure::Panel panel{figure::enlarge(cut_out(picture, left, top, kWidth, kHeight), kScale),

@@ -34,7 +34,7 @@ Result<void> balls(const RobustCase& row, int pictures, const Eyes& eyes, sim::R
     const auto range = KAZ_TRY(learned(row, eyes, renderer, world));
     options.color = range;
   }
-  vision::BallDetector detector(options);
+  vision::BallFinder detector(options);
   Random random(11);
   for (int i = 0; i < pictures; ++i) {
     const double distance_m = 0.25 + 0.75 * random.uniform();

@@ -7,12 +7,12 @@
 namespace kaz::tools {
 
 // Exit status: 0 success, 1 the task failed, or the status of a program that the task ran.
-struct Outcome {
-  Outcome(bool succeeded = true) : status(succeeded ? 0 : static_cast<int>(Fault::failed)) {}
-  static Outcome with_status(int status) {
-    Outcome outcome(true);
-    outcome.status = status;
-    return outcome;
+struct ExitStatus {
+  ExitStatus(bool succeeded = true) : status(succeeded ? 0 : static_cast<int>(Fault::failed)) {}
+  static ExitStatus with_status(int status) {
+    ExitStatus made;
+    made.status = status;
+    return made;
   }
   int status;
 };
