@@ -80,8 +80,6 @@ class BoardGroup final : public Exchanger {
   Error blame(std::size_t index, Error error);
   Reply merge(const Exchange& exchange);
   void merge_fields(const Exchange& exchange, Reply& merged);
-  void merge_state(const Exchange& exchange, Reply& merged);
-  void merge_calibration(const Exchange& exchange, Reply& merged);
   std::uint16_t merge_status();
   void switch_off();
   static void switch_off(Member& member);

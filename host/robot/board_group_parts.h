@@ -35,6 +35,9 @@ struct BoardGroup::Member {
   // Angle at time `t` on the line through the last two states. If the two states are further apart than
   // kMaxBetween, returns the latest angle.
   s16 angle_at(std::size_t joint, Time t) const;
+  // Stores the board's newest state, and converts the angles in `one` to the time of the reference's latest
+  // state. Call align() for the reference first.
+  void align(kz_state_reply& one, const Member& reference);
 };
 
 struct BoardGroup::Exchange {
