@@ -1,10 +1,10 @@
-// Test double of BallDetector: simulates the observations of a ball that moves on a known path.
+// Test double of Vision: simulates the observations of a ball that moves on a known path.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
 
-#include "host/behavior/ball_detector.h"
+#include "host/behavior/vision.h"
 #include "host/robot/robot.h"
 #include "host/robot/robot_testing.h"
 
@@ -14,7 +14,7 @@ namespace kaz::behavior {
 // Each observation is computed from the true head pose at the exposure. An observation is available `latency`
 // after its exposure. Each observation contains the posture from the robot's history. `board` and `robot`
 // must outlive this object.
-class TestBall final : public BallDetector {
+class TestBall final : public Vision {
  public:
   struct Options {
     Time latency = std::chrono::milliseconds(35);  // 15 ms camera, 20 ms vision
@@ -29,6 +29,7 @@ class TestBall final : public BallDetector {
            const Options& options);
 
   Result<std::vector<vision::BallObservation>> poll(Time now) override;
+  Result<std::vector<FloorPicture>> take_floor() override { return {}; }
 
   // True angle between the left optical axis and the ball. `t` must not be in the future.
   double error_rad(Time t) const;

@@ -17,10 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/behavior/ball_detector.h"
-#include "host/behavior/floor_detector.h"
 #include "host/behavior/options.h"
 #include "host/behavior/sink.h"
+#include "host/behavior/vision.h"
 #include "host/robot/robot.h"
 
 namespace kaz::behavior {
@@ -39,20 +38,18 @@ struct Context {
   host::Robot& robot;
   host::Clock& clock;
   // Null if the run has no camera. Never null for behaviors whose needs_camera is true.
-  BallDetector* detector;
+  Vision* vision;
   Sink& sink;
   OptionValues options;
   std::uint64_t seed = 1;  // seed of random choices
   // Joint names of a robot other than Kaz; the index is the channel of the board. For Kaz, this list is
   // empty.
   std::vector<std::string> other_joints = {};
-  double ball_radius_m = 0.020;       // radius of the ball that `detector` detects
+  double ball_radius_m = 0.020;       // radius of the ball that `vision` detects
   std::string camera = "the camera";  // name of the camera in error messages
   // Timeout of the camera: a behavior fails after this time without an image. If no image has come for
   // ControlCycle::kLostCamera, the robot stops and waits for the next image.
   Time camera_patience = std::chrono::seconds(2);
-  // Null if the run has no camera, or if the behavior's needs_floor is false.
-  FloorDetector* floor = nullptr;
   // Null if the run has no source of requests.
   Requests* requests = nullptr;
 };
@@ -70,12 +67,12 @@ struct Outcome {
 struct Behavior {
   std::string_view name;      // such as "track-ball"
   std::string_view text;      // description, one line
-  bool needs_camera = false;  // run() uses Context::detector
+  bool needs_camera = false;  // run() uses Context::vision
   std::span<const Option> options = {};
   // Returns an Outcome without success if the task failed. Returns an Error if the task could not be
   // completed (link, camera, usage). An Error with Fault::failed counts as a failure of the task.
   Result<Outcome> (*run)(Context& context) = nullptr;
-  bool needs_floor = false;     // run() uses Context::floor
+  bool needs_floor = false;     // run() uses Vision::take_floor()
   bool takes_requests = false;  // run() uses Context::requests
 };
 

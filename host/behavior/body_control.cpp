@@ -45,7 +45,7 @@ BodyControl::BodyControl(Context& context, std::string_view behavior, const moti
       ball_(context.ball_radius_m) {}
 
 Result<BodyControl> BodyControl::begin(Context& context, std::string_view behavior) {
-  if (!context.detector)
+  if (!context.vision)
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
   auto walker = KAZ_TRY(Walker::begin(context, behavior));
   BodyControl body(context, behavior, walker.motion());

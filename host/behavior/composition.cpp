@@ -31,10 +31,9 @@ class Deadline final : public host::Clock {
 // The same context with another clock. Binds every member: after one more is added to Context, this does
 // not compile until it is passed on, too.
 Context with_clock(const Context& context, host::Clock& clock) {
-  const auto& [robot, own_clock, detector, sink, options, seed, joints, radius_m, camera, patience,
-               floor, requests] = context;
-  return {robot,  clock,    detector, sink,     options, seed,
-          joints, radius_m, camera,   patience, floor,   requests};
+  const auto& [robot, own_clock, vision, sink, options, seed, joints, radius_m, camera, patience,
+               requests] = context;
+  return {robot, clock, vision, sink, options, seed, joints, radius_m, camera, patience, requests};
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST_F(Composition, ATaskWithinATimeHasTheContextOfTheWhole) {
   const auto outcome = within(1s, [&](Context& c) -> Result<Outcome> {
     ran = true;
     EXPECT_EQ(&c.robot, &robot);
-    EXPECT_EQ(c.detector, context.detector);
+    EXPECT_EQ(c.vision, context.vision);
     EXPECT_EQ(&c.sink, &context.sink);
     EXPECT_EQ(c.options.number("times"), 3);
     EXPECT_EQ(c.seed, 7u);

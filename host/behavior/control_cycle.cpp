@@ -1,4 +1,4 @@
-// One round trip and one poll of the detector per control cycle.
+// One round trip and one poll of vision per control cycle.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/control_cycle.h"
 
@@ -36,9 +36,9 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
   cycle_start_ = std::max(cycle_start_ + kPeriod, context_.clock.now());
   KAZ_TRY(context_.clock.sleep_until(cycle_start_));
   input.now = context_.clock.now();
-  if (!context_.detector) return input;
+  if (!context_.vision) return input;
 
-  auto observations = KAZ_TRY(context_.detector->poll(input.now));
+  auto observations = KAZ_TRY(context_.vision->poll(input.now));
   input.observations = std::move(observations);
   // While the link was sought nobody took pictures.
   if (!input.observations.empty() || input.resumed) last_image_ = input.now;

@@ -11,7 +11,7 @@ HeadControl::HeadControl(Context& context, std::string_view behavior)
     : context_(&context), behavior_(behavior), cycle_(context) {}
 
 Result<HeadControl> HeadControl::begin(Context& context, std::string_view behavior) {
-  if (!context.detector) {
+  if (!context.vision) {
     return fail(Fault::usage, std::string(behavior) + " needs a camera: give one with --camera");
   }
   KAZ_TRY(hold_still(context.robot));

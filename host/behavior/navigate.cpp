@@ -90,13 +90,9 @@ double wrapped(double angle) {
 
 class Navigation {
  public:
-  Navigation(BodyControl& body, FloorDetector& floor, NavigationGoal goal, map::LocalMap map,
+  Navigation(BodyControl& body, NavigationGoal goal, map::LocalMap map,
              std::unique_ptr<plan::Planner> planner)
-      : body_(body),
-        floor_(floor),
-        goal_(std::move(goal)),
-        map_(std::move(map)),
-        planner_(std::move(planner)) {}
+      : body_(body), goal_(std::move(goal)), map_(std::move(map)), planner_(std::move(planner)) {}
 
   void set_options(bool any_heading, bool unknown_closed) {
     options_.any_heading = any_heading;
@@ -148,7 +144,7 @@ class Navigation {
   Result<void> step() {
     KAZ_TRY(body_.step());
     if (motion().state() == motion::State::turning) turned_until_ = body_.now();
-    auto pictures = KAZ_TRY(floor_.take());
+    auto pictures = KAZ_TRY(body_.context().vision->take_floor());
     std::erase_if(pictures, [&](const FloorPicture& picture) {
       return picture.planes.info.exposure <= turned_until_;
     });
@@ -621,7 +617,6 @@ class Navigation {
   static constexpr int kMaxMoves = 200;
 
   BodyControl& body_;
-  FloorDetector& floor_;
   NavigationGoal goal_;
   WalkingMap map_;
   plan::PlanOptions options_;
@@ -654,7 +649,7 @@ Result<std::unique_ptr<plan::Planner>> planner_of(const Context& context) {
 }
 
 Result<Outcome> navigate(Context& context) {
-  if (context.floor == nullptr)
+  if (context.vision == nullptr)
     return fail(Fault::usage, "navigate needs a camera: give one with --camera");
   auto planner = KAZ_TRY(planner_of(context));
   const NavigationGoal goal = *navigation_goal(context.options.choice("goal"));
@@ -663,7 +658,7 @@ Result<Outcome> navigate(Context& context) {
   options.size_m = std::max(4.0, 2 * (goal.position.cwiseAbs().maxCoeff() + 1));
   auto map = KAZ_TRY(map::LocalMap::make(options));
   auto body = KAZ_TRY(BodyControl::begin(context, kNavigate.name));
-  Navigation navigation(body, *context.floor, goal, std::move(map), std::move(planner));
+  Navigation navigation(body, goal, std::move(map), std::move(planner));
   navigation.set_options(context.options.choice("turns") != "paper",
                          context.options.choice("unknown") == "closed");
   auto outcome = KAZ_TRY(navigation.run());

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/behavior/floor_detector.h"
 #include "host/behavior/place_history.h"
+#include "host/behavior/vision.h"
 #include "host/map/floor_texture.h"
 #include "host/map/local_map.h"
 #include "host/map/pose_filter.h"

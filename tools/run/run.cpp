@@ -42,11 +42,10 @@ Result<behavior::Outcome> outcome_of(const RunPlan& plan, behavior::Context& con
 
 void run_behavior(RunStack& stack, RunEnd& end) {
   const RunPlan& plan = stack.plan;
-  behavior::Context context{stack.robot.robot,  stack.robot.robot.clock(),
-                            stack.eyes->ball(), *stack.recorder,
-                            plan.values(),      plan.backend().seed};
+  behavior::Context context{
+      stack.robot.robot, stack.robot.robot.clock(), stack.eyes->behavior_vision(), *stack.recorder,
+      plan.values(),     plan.backend().seed};
   context.ball_radius_m = plan.options().vision.ball.radius_m;
-  context.floor = stack.eyes->floor();
   RecordedRequests requests(plan, *stack.recorder);
   if (plan.options().requests && plan.behavior().takes_requests) context.requests = &requests;
   if (stack.robot.at_port()) context.camera = "camera " + plan.backend().camera;

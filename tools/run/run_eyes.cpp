@@ -25,12 +25,11 @@ RunEyes::RunEyes(const RunPlan& plan, RunObserver& observer, SessionBackend& bac
       capture_(camera_, robot),
       pipeline_(std::move(pipeline)),
       deliveries_(*pipeline_),
-      ball_(capture_, *pipeline_),
+      vision_(capture_, *pipeline_, plan.behavior().needs_floor),
       // Not by the run's interrupt, which also ends a run at RunOptions::until.
       snapshots_(camera_, backend.simulation(), plan.options().vision.ball,
                  [] { return received_signal() != 0; }) {
   observer.begin_vision(*pipeline_);
-  if (plan.behavior().needs_floor) floor_.emplace(*pipeline_);
 }
 
 void RunEyes::end() {

@@ -3,9 +3,8 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
-#include "host/behavior/ball_detector.h"
+#include "host/behavior/vision.h"
 #include "host/camera/capture.h"
 #include "host/robot/robot.h"
 #include "tools/run/backend.h"
@@ -32,10 +31,8 @@ class RunEyes {
   vision::Pipeline& pipeline() { return *pipeline_; }
   const DeliveryTable& deliveries() const { return deliveries_; }
   Snapshots& snapshots() { return snapshots_; }
-  // These two functions return null if the backend has no camera. floor() also returns null for behaviors
-  // that do not use the floor.
-  behavior::BallDetector* ball() { return sees_ ? &ball_ : nullptr; }
-  behavior::FloorDetector* floor() { return sees_ && floor_ ? &*floor_ : nullptr; }
+  // Returns Context::vision of the behavior: null if the backend has no camera.
+  behavior::Vision* behavior_vision() { return sees_ ? &vision_ : nullptr; }
 
  private:
   RunEyes(const RunPlan& plan, RunObserver& observer, SessionBackend& backend, host::Robot& robot,
@@ -47,8 +44,7 @@ class RunEyes {
   host::Capture capture_;
   std::unique_ptr<vision::Pipeline> pipeline_;
   DeliveryTable deliveries_;
-  behavior::PipelineBallDetector ball_;
-  std::optional<behavior::PipelineFloorDetector> floor_;
+  behavior::PipelineVision vision_;
   Snapshots snapshots_;
 };
 

@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "host/behavior/ball_detector.h"
+#include "host/behavior/vision.h"
 #include "host/camera/capture.h"
 #include "sim/body/description/robot_model.h"
 #include "tools/lockstep/lockstep.h"
@@ -169,14 +169,14 @@ Result<Ending> play(const Scene& scene) {
   vision::BallOptions ball;
   ball.radius_m = scene.radius;
   KAZ_TRY(pipeline.add(vision::make_color_module(ball)));
-  behavior::PipelineBallDetector detector(capture, pipeline);
+  behavior::PipelineVision seeing(capture, pipeline);
 
   Ending ending;
   Onlooker onlooker(*simulation, scene, ending);
   const auto behavior = behavior::find_behavior(scene.behavior);
   if (!behavior) return tl::unexpected(behavior.error());
   const auto values = KAZ_TRY(behavior::OptionValues::parse(behavior->options, scene.options));
-  behavior::Context context{robot, robot.clock(), &detector, onlooker, values, scene.seed};
+  behavior::Context context{robot, robot.clock(), &seeing, onlooker, values, scene.seed};
   context.ball_radius_m = scene.radius;
   auto outcome = KAZ_TRY(behavior->run(context));
   ending.outcome = std::move(outcome);

@@ -1,6 +1,6 @@
-// From camera to tracker: capture, pipeline, detector.
+// From camera to tracker: capture, pipeline, vision.
 // SPDX-License-Identifier: Apache-2.0
-#include "host/behavior/ball_detector.h"
+#include "host/behavior/vision.h"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ class DrawingCamera final : public vision::Camera {
   Time next_;
 };
 
-TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
+TEST(PipelineVision, PlacesTheBallWhileTheHeadMoves) {
   host::TestBoard board;
   host::Robot robot = host::connect_to(board);
   ASSERT_TRUE(robot.state());  // pictures from before the first state would have no posture
@@ -85,7 +85,7 @@ TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   host::Capture capture(camera, robot);
   vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
   ASSERT_TRUE(pipeline.add(vision::make_color_module({}, 5ms)));
-  PipelineBallDetector detector(capture, pipeline);
+  PipelineVision eyes(capture, pipeline);
 
   ASSERT_TRUE(robot.enable(host::kAllJoints));
   const host::JointTarget turned[] = {{host::neck_pan, 0.6}, {host::neck_tilt, 0.7}};
@@ -96,7 +96,7 @@ TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(robot.state());
     ASSERT_TRUE(board.sleep_until(board.now() + 2ms));
-    const auto seen = detector.poll(board.now());
+    const auto seen = eyes.poll(board.now());
     ASSERT_TRUE(seen) << seen.error().message;
     for (const vision::BallObservation& observation : *seen) {
       ASSERT_TRUE(observation.found);
@@ -118,19 +118,22 @@ TEST(PipelineBallDetector, PlacesTheBallWhileTheHeadMoves) {
   EXPECT_GE(observations, 20);
 
   camera.gone = true;
-  const auto end = detector.poll(board.now());
+  const auto end = eyes.poll(board.now());
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().message, "camera gone");
 }
 
-TEST(PipelineBallDetector, SaysThatNothingLooksForTheBall) {
+TEST(PipelineVision, SaysThatNothingLooksForTheBall) {
   host::TestBoard board;
   DrawingCamera camera(board, {0.4, 0, 0});
   vision::Pipeline pipeline({vision::Pace::lockstep, 15ms});
-  PipelineBallDetector detector(camera, pipeline);
-  const auto seen = detector.poll(board.now());
+  PipelineVision eyes(camera, pipeline);
+  const auto seen = eyes.poll(board.now());
   ASSERT_FALSE(seen);
   EXPECT_NE(seen.error().message.find("color"), std::string::npos);
+  const auto floor = eyes.take_floor();
+  ASSERT_FALSE(floor);
+  EXPECT_NE(floor.error().message.find("needs_floor"), std::string::npos);
 }
 
 }  // namespace
