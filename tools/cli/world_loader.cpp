@@ -1,0 +1,27 @@
+// Loads the module with the reader of worlds, and reads worlds with it.
+// SPDX-License-Identifier: Apache-2.0
+#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
+#include "shared/base/module.hpp"
+#include "tools/cli/world_module.h"
+
+namespace kaz::tools {
+
+Result<sim::WorldModel> load_world_by(const std::string& module, const std::string& sdf_path) {
+  const auto loaded =
+      load_module<WorldModule>(module, kWorldModuleSymbol, KAZ_INTERFACE_ID, "the reader");
+  if (!loaded)
+    return fail(Fault::environment, "the reader of worlds cannot be loaded from " + module + " (" +
+                                        loaded.error() +
+                                        "): install Kaz and libsdformat-dev again");
+  return (*loaded)->load(sdf_path);
+}
+
+}  // namespace kaz::tools
+
+namespace kaz::sim {
+
+Result<WorldModel> load_world(const std::string& sdf_path) {
+  return tools::load_world_by(module_path("world_reader.so"), sdf_path);
+}
+
+}  // namespace kaz::sim
