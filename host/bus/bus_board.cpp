@@ -346,6 +346,17 @@ Result<void> BusBoard::recover() {
   return look();
 }
 
+void BusBoard::set_gains(const kz_gains& gains) {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if ((gains.mask >> j & 1) == 0) continue;
+    Joint& joint = joints_[j];
+    joint.kp = gains.kp;
+    joint.kd = gains.kd;
+    joint.dead_band = gains.dead_band;
+    joint.friction = gains.friction;
+  }
+}
+
 void BusBoard::set_limits(const kz_limits& limits) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if ((limits.mask >> j & 1) == 0) continue;
@@ -414,79 +425,160 @@ Result<std::optional<std::vector<std::uint8_t>>> BusBoard::serve() {
   return last_answer_;
 }
 
+BusBoard::Fields BusBoard::health_reply() const {
+  const auto millivolts = [](double volts) { return to_u16(1000 * volts); };
+  return packed(kz_health_reply{tick(), status(), reason_ != 0 ? detail_ : u8{KZ_NO_DETAIL},
+                                shutdown_tick_, millivolts(volts_), millivolts(lowest_volts_),
+                                static_cast<s16>(std::lround(10 * celsius_)), 512},
+                kz_pack_health_reply);
+}
+
+BusBoard::Fields BusBoard::statistics_reply() const {
+  kz_statistics_reply reply{};
+  reply.tick = tick();
+  reply.status = status();
+  reply.frames = frames_;
+  reply.refusals = refusals_;
+  reply.bad_check = bad_frames_;
+  return packed(reply, kz_pack_statistics_reply);
+}
+
+Result<BusBoard::Refusal> BusBoard::refuse_for_cause() {
+  u8 detail = KZ_NO_DETAIL;
+  const u8 reason = cause(detail);
+  if (reason == 0) return Refusal();
+  KAZ_TRY(shut_down(reason, detail));
+  return Refusal{KZ_REFUSED_FAULT, reason};
+}
+
+Result<BusBoard::Fields> BusBoard::enable(std::uint32_t mask, Refusal& refusal) {
+  if (mask != 0 && reason_ != 0) {
+    refusal = {KZ_REFUSED_FAULT, reason_};
+    return Fields();
+  }
+  // Off waits for no reading.
+  if (mask != 0) {
+    has_looked_ = false;
+    KAZ_TRY(look());
+    refusal = KAZ_TRY(refuse_for_cause());
+    if (refusal.reason != 0) return Fields();
+  }
+  KAZ_TRY(switch_to(mask));
+  // Joints that are not there are as they were requested.
+  if (driven() != (mask & there())) {
+    // A servo whose protection has acted meanwhile does not go on.
+    has_looked_ = false;
+    KAZ_TRY(look());
+    refusal = KAZ_TRY(refuse_for_cause());
+    if (refusal.reason != 0) return Fields();
+  }
+  // A joint that was to be on counts as on if it holds; one that was to be off, until it says that it is.
+  const std::uint32_t enabled = (driven() & mask) | (on() & ~mask) | (mask & ~there());
+  return packed(kz_enable_reply{tick(), status(), enabled}, kz_pack_enable_reply);
+}
+
+BusBoard::Refusal BusBoard::check(const kz_targets& targets) const {
+  if (reason_ != 0) return {KZ_REFUSED_FAULT, reason_};
+  for (u8 j = 0; j < KZ_JOINTS; ++j) {
+    if ((targets.mask >> j & 1) == 0) continue;
+    if (j >= joints_.size() || joints_[j].power != Power::on) return {KZ_REFUSED_DISABLED, j};
+    if (targets.angle[j] < joints_[j].lower || targets.angle[j] > joints_[j].upper)
+      return {KZ_REFUSED_LIMIT, j};
+  }
+  return {};
+}
+
+BusBoard::Fields BusBoard::read_targets_reply(std::uint32_t mask) const {
+  kz_read_targets_reply reply{};
+  reply.tick = tick();
+  reply.status = status();
+  reply.mask = mask;
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    reply.angle[j] = to_angle(joints_[j].power == Power::on ? joints_[j].target : joints_[j].angle);
+  return packed(reply, kz_pack_read_targets_reply);
+}
+
+BusBoard::Fields BusBoard::state_reply() const {
+  kz_state_reply reply{};
+  reply.tick = tick();
+  reply.status = status();
+  reply.supply_mv = to_u16(1000 * volts_);
+  for (std::size_t j = 0; j < joints_.size(); ++j) reply.angle[j] = to_angle(joints_[j].angle);
+  return packed(reply, kz_pack_state_reply);
+}
+
+BusBoard::Fields BusBoard::joints_reply(std::uint32_t mask) const {
+  kz_joints_reply reply{};
+  reply.tick = tick();
+  reply.status = status();
+  reply.mask = mask;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    reply.angle[j] = to_angle(joint.angle);
+    reply.speed[j] = static_cast<s16>(std::clamp(std::lround(1000 * joint.speed), -32767L, 32767L));
+    reply.duty[j] = static_cast<s16>(std::lround(255 * std::clamp(joint.duty, -1.0, 1.0)));
+    reply.load[j] = static_cast<u8>(std::lround(255 * std::min(1.0, std::abs(joint.duty))));
+    reply.faults[j] =
+        static_cast<u8>((joint.power != Power::off ? KZ_JOINT_ON : 0) |
+                        (joint.missing > 0 || !joint.accepted ? KZ_JOINT_POT : 0) |
+                        ((joint.trouble & kTroubleOverload) != 0 ? KZ_JOINT_STALLED : 0) |
+                        ((joint.trouble & kTroubleHeat) != 0 ? KZ_JOINT_HOT : 0));
+  }
+  return packed(reply, kz_pack_joints_reply);
+}
+
+Result<BusBoard::Fields> BusBoard::clear(Refusal& refusal) {
+  has_looked_ = false;
+  KAZ_TRY(look());
+  KAZ_TRY(recover());
+  u8 detail = KZ_NO_DETAIL;
+  if (const u8 reason = cause(detail); reason != 0) {
+    refusal = {KZ_REFUSED_FAULT, reason};
+    return Fields();
+  }
+  reason_ = 0;
+  shutdown_tick_ = 0;
+  return acknowledge();
+}
+
+BusBoard::Fields BusBoard::settings_reply(u8 number) const {
+  const Joint joint = number < joints_.size() ? joints_[number] : Joint();
+  return packed(kz_settings_reply{tick(), status(), number, joint.kp, joint.kd, joint.dead_band,
+                                  joint.friction, joint.ramp, joint.lower, joint.upper},
+                kz_pack_settings_reply);
+}
+
+BusBoard::Fields BusBoard::acknowledge() const {
+  return packed(kz_targets_reply{tick(), status()}, kz_pack_targets_reply);
+}
+
 Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refusal& refusal) {
   const auto refuse = [&refusal](u8 reason, u8 detail = KZ_NO_DETAIL) {
     refusal = {reason, detail};
     return Fields();
-  };
-  const auto acknowledge = [this] {
-    return packed(kz_targets_reply{tick(), status()}, kz_pack_targets_reply);
   };
   switch (type) {
     case KZ_TYPE_identify:
       return packed(kz_identify_reply{tick(), KZ_PROTOCOL_VERSION, KZ_JOINTS, status(), 0, 0x0100,
                                       0, 0, KZ_RESET_POWER, watchdog_10ms_, reaction_},
                     kz_pack_identify_reply);
-    case KZ_TYPE_health: {
+    case KZ_TYPE_health:
       KAZ_TRY(look());
-      const auto millivolts = [](double volts) { return to_u16(1000 * volts); };
-      return packed(kz_health_reply{tick(), status(), reason_ != 0 ? detail_ : u8{KZ_NO_DETAIL},
-                                    shutdown_tick_, millivolts(volts_), millivolts(lowest_volts_),
-                                    static_cast<s16>(std::lround(10 * celsius_)), 512},
-                    kz_pack_health_reply);
-    }
-    case KZ_TYPE_statistics: {
-      kz_statistics_reply reply{};
-      reply.tick = tick();
-      reply.status = status();
-      reply.frames = frames_;
-      reply.refusals = refusals_;
-      reply.bad_check = bad_frames_;
-      return packed(reply, kz_pack_statistics_reply);
-    }
+      return health_reply();
+    case KZ_TYPE_statistics:
+      return statistics_reply();
     case KZ_TYPE_self_test:
       return packed(kz_self_test_reply{tick(), status(), 0, 0, 0, 0}, kz_pack_self_test_reply);
     case KZ_TYPE_enable: {
-      kz_enable enable{};
-      if (!kz_unpack_enable(&enable, body, size)) return refuse(KZ_REFUSED_LENGTH);
-      if (enable.mask != 0 && reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
-      u8 detail = KZ_NO_DETAIL;
-      // Off waits for no reading.
-      if (enable.mask != 0) {
-        has_looked_ = false;
-        KAZ_TRY(look());
-        if (const u8 reason = cause(detail); reason != 0) {
-          KAZ_TRY(shut_down(reason, detail));
-          return refuse(KZ_REFUSED_FAULT, reason);
-        }
-      }
-      KAZ_TRY(switch_to(enable.mask));
-      // Joints that are not there are as they were requested.
-      if (driven() != (enable.mask & there())) {
-        // A servo whose protection has acted meanwhile does not go on.
-        has_looked_ = false;
-        KAZ_TRY(look());
-        if (const u8 reason = cause(detail); reason != 0) {
-          KAZ_TRY(shut_down(reason, detail));
-          return refuse(KZ_REFUSED_FAULT, reason);
-        }
-      }
-      // A joint that was to be on counts as on if it holds; one that was to be off, until it says that it is.
-      const std::uint32_t mask =
-          (driven() & enable.mask) | (on() & ~enable.mask) | (enable.mask & ~there());
-      return packed(kz_enable_reply{tick(), status(), mask}, kz_pack_enable_reply);
+      kz_enable request{};
+      if (!kz_unpack_enable(&request, body, size)) return refuse(KZ_REFUSED_LENGTH);
+      return enable(request.mask, refusal);
     }
     case KZ_TYPE_targets: {
       kz_targets targets{};
       if (!kz_unpack_targets(&targets, body, size)) return refuse(KZ_REFUSED_LENGTH);
-      if (reason_ != 0) return refuse(KZ_REFUSED_FAULT, reason_);
-      for (u8 j = 0; j < KZ_JOINTS; ++j) {
-        if ((targets.mask >> j & 1) == 0) continue;
-        if (j >= joints_.size() || joints_[j].power != Power::on)
-          return refuse(KZ_REFUSED_DISABLED, j);
-        if (targets.angle[j] < joints_[j].lower || targets.angle[j] > joints_[j].upper)
-          return refuse(KZ_REFUSED_LIMIT, j);
-      }
+      refusal = check(targets);
+      if (refusal.reason != 0) return Fields();
       KAZ_TRY(move(targets));
       return acknowledge();
     }
@@ -494,60 +586,22 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
       kz_read_targets query{};
       if (!kz_unpack_read_targets(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
       KAZ_TRY(look());
-      kz_read_targets_reply reply{};
-      reply.tick = tick();
-      reply.status = status();
-      reply.mask = query.mask;
-      for (std::size_t j = 0; j < joints_.size(); ++j)
-        reply.angle[j] =
-            to_angle(joints_[j].power == Power::on ? joints_[j].target : joints_[j].angle);
-      return packed(reply, kz_pack_read_targets_reply);
+      return read_targets_reply(query.mask);
     }
-    case KZ_TYPE_state: {
+    case KZ_TYPE_state:
       KAZ_TRY(look());
-      kz_state_reply reply{};
-      reply.tick = tick();
-      reply.status = status();
-      reply.supply_mv = to_u16(1000 * volts_);
-      for (std::size_t j = 0; j < joints_.size(); ++j) reply.angle[j] = to_angle(joints_[j].angle);
-      return packed(reply, kz_pack_state_reply);
-    }
+      return state_reply();
     case KZ_TYPE_joints: {
       kz_joints query{};
       if (!kz_unpack_joints(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
       KAZ_TRY(look());
-      kz_joints_reply reply{};
-      reply.tick = tick();
-      reply.status = status();
-      reply.mask = query.mask;
-      for (std::size_t j = 0; j < joints_.size(); ++j) {
-        const Joint& joint = joints_[j];
-        reply.angle[j] = to_angle(joint.angle);
-        reply.speed[j] =
-            static_cast<s16>(std::clamp(std::lround(1000 * joint.speed), -32767L, 32767L));
-        reply.duty[j] = static_cast<s16>(std::lround(255 * std::clamp(joint.duty, -1.0, 1.0)));
-        reply.load[j] = static_cast<u8>(std::lround(255 * std::min(1.0, std::abs(joint.duty))));
-        reply.faults[j] =
-            static_cast<u8>((joint.power != Power::off ? KZ_JOINT_ON : 0) |
-                            (joint.missing > 0 || !joint.accepted ? KZ_JOINT_POT : 0) |
-                            ((joint.trouble & kTroubleOverload) != 0 ? KZ_JOINT_STALLED : 0) |
-                            ((joint.trouble & kTroubleHeat) != 0 ? KZ_JOINT_HOT : 0));
-      }
-      return packed(reply, kz_pack_joints_reply);
+      return joints_reply(query.mask);
     }
     case KZ_TYPE_stop:
       KAZ_TRY(shut_down(KZ_SHUTDOWN_STOP, KZ_NO_DETAIL));
       return acknowledge();
-    case KZ_TYPE_clear: {
-      has_looked_ = false;
-      KAZ_TRY(look());
-      KAZ_TRY(recover());
-      u8 detail = KZ_NO_DETAIL;
-      if (const u8 reason = cause(detail); reason != 0) return refuse(KZ_REFUSED_FAULT, reason);
-      reason_ = 0;
-      shutdown_tick_ = 0;
-      return acknowledge();
-    }
+    case KZ_TYPE_clear:
+      return clear(refusal);
     case KZ_TYPE_heartbeat: {
       kz_heartbeat heartbeat{};
       if (!kz_unpack_heartbeat(&heartbeat, body, size)) return refuse(KZ_REFUSED_LENGTH);
@@ -560,14 +614,7 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
     case KZ_TYPE_gains: {
       kz_gains gains{};
       if (!kz_unpack_gains(&gains, body, size)) return refuse(KZ_REFUSED_LENGTH);
-      for (std::size_t j = 0; j < joints_.size(); ++j) {
-        if ((gains.mask >> j & 1) == 0) continue;
-        Joint& joint = joints_[j];
-        joint.kp = gains.kp;
-        joint.kd = gains.kd;
-        joint.dead_band = gains.dead_band;
-        joint.friction = gains.friction;
-      }
+      set_gains(gains);
       return acknowledge();
     }
     case KZ_TYPE_limits: {
@@ -580,11 +627,7 @@ Result<BusBoard::Fields> BusBoard::answer(u8 type, const u8* body, u8 size, Refu
     case KZ_TYPE_settings: {
       kz_settings query{};
       if (!kz_unpack_settings(&query, body, size)) return refuse(KZ_REFUSED_LENGTH);
-      const Joint joint = query.joint < joints_.size() ? joints_[query.joint] : Joint();
-      return packed(
-          kz_settings_reply{tick(), status(), query.joint, joint.kp, joint.kd, joint.dead_band,
-                            joint.friction, joint.ramp, joint.lower, joint.upper},
-          kz_pack_settings_reply);
+      return settings_reply(query.joint);
     }
     case KZ_TYPE_calibration: {
       kz_calibration_reply reply{};

@@ -92,9 +92,24 @@ class BusBoard {
   Result<void> release_next();
   Result<void> shut_down(u8 reason, u8 detail);
   u8 cause(u8& detail) const;  // present cause of a shutdown, KZ_SHUTDOWN_*; 0: none
+  // Executes a request. Returns the fields of the reply, or sets `refusal`.
   Result<Fields> answer(u8 type, const u8* body, u8 size, Refusal& refusal);
+  Result<Fields> enable(std::uint32_t mask, Refusal& refusal);
+  // Clears the cause of the shutdown after the servos have recovered.
+  Result<Fields> clear(Refusal& refusal);
+  // If there is a cause of a shutdown, shuts down and returns the refusal. Otherwise its reason is 0.
+  Result<Refusal> refuse_for_cause();
+  Refusal check(const kz_targets& targets) const;
+  Fields health_reply() const;
+  Fields statistics_reply() const;
+  Fields read_targets_reply(std::uint32_t mask) const;
+  Fields state_reply() const;
+  Fields joints_reply(std::uint32_t mask) const;
+  Fields settings_reply(u8 joint) const;
+  Fields acknowledge() const;
   Result<void> move(const kz_targets& targets);
   Result<void> reset();
+  void set_gains(const kz_gains& gains);
   void set_limits(const kz_limits& limits);
   // Recovers servos that were stopped by an internal protection, such as the overload protection.
   Result<void> recover();

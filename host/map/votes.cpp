@@ -32,6 +32,22 @@ std::int16_t added(std::int16_t odds, int steps) {
   return static_cast<std::int16_t>(std::clamp(odds + steps, -kFloor, kFull));
 }
 
+// Limits of an obstacle point, in single precision.
+struct PointLimits {
+  float low, high, deep;  // heights above and depth below the floor, m
+  float farthest2, own2;  // squared distances along the floor, m^2
+  float error;            // standard deviation of the disparity, px
+};
+
+PointLimits point_limits(const LocalMapOptions& options) {
+  return {.low = static_cast<float>(options.obstacle_m),
+          .high = static_cast<float>(options.robot_m),
+          .deep = static_cast<float>(options.drop_m),
+          .farthest2 = static_cast<float>(options.farthest_m * options.farthest_m),
+          .own2 = static_cast<float>(options.own_m * options.own_m),
+          .error = static_cast<float>(options.disparity_error_px)};
+}
+
 // Intersects [from, to] with the half-line a + b k >= 0.
 void keep_above(double a, double b, double& from, double& to) {
   if (b > 0) {
@@ -158,12 +174,7 @@ void LocalMap::see_obstacles(const View& view, const vision::PlaneSegments& plan
   const Eigen::Vector3f eye = view.eye.translation().cast<float>();
   const Eigen::Vector3f along = (view.eye.linear().col(0) / c.fx).cast<float>();
   const auto fb = static_cast<float>(view.fb);
-  const auto low = static_cast<float>(options_.obstacle_m);
-  const auto high = static_cast<float>(options_.robot_m);
-  const auto deep = static_cast<float>(options_.drop_m);
-  const auto farthest2 = static_cast<float>(options_.farthest_m * options_.farthest_m);
-  const auto own2 = static_cast<float>(options_.own_m * options_.own_m);
-  const auto error = static_cast<float>(options_.disparity_error_px);
+  const auto [low, high, deep, farthest2, own2, error] = point_limits(options_);
   const auto weight_z2 = static_cast<float>(view.weight_z2);
   // Share of a full vote of one pixel at 1 m.
   const auto share = static_cast<float>(kFullAt * stride * stride_v /

@@ -228,9 +228,7 @@ py::dict health_of(PythonRobot& self) {
   return all;
 }
 
-}  // namespace
-
-void add_robot(py::module_& module) {
+void add_joint_table(py::module_& module) {
   py::list names;
   py::dict limits;
   for (const host::JointInfo& joint : host::joint_table()) {
@@ -239,14 +237,22 @@ void add_robot(py::module_& module) {
   }
   module.attr("JOINTS") = py::tuple(names);
   module.attr("JOINT_LIMITS") = limits;
+}
 
+void add_posture(py::module_& module) {
   py::class_<host::Posture>(module, "Posture")
       .def_property_readonly("time", [](const host::Posture& p) { return seconds(p.time); })
       .def_readonly("tick", &host::Posture::tick)
       .def_readonly("status", &host::Posture::status)
       .def_readonly("supply_volts", &host::Posture::supply_volts)
       .def_property_readonly("angle", [](const host::Posture& p) { return array_of(p.angle); });
+}
 
+}  // namespace
+
+void add_robot(py::module_& module) {
+  add_joint_table(module);
+  add_posture(module);
   using Robot = PythonRobot;
   py::class_<Robot>(module, "Robot")
       .def(py::init([](std::shared_ptr<SimulatedWorld> world, double watchdog,

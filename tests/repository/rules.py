@@ -60,6 +60,29 @@ def check_sources():
                 fault(f"{name}:{number}", f"{len(line)} columns")
 
 
+# The lists of cases in hil/conformance are the only functions that may be longer.
+LONG_FUNCTION, LISTS_OF_CASES = 100, re.compile(r"hil/conformance/cases_\w+\.cpp$")
+# No line begins a function so: comments, macros, labels, braces, and what only encloses functions.
+NO_FUNCTION = re.compile(r'//|/?\*|#|[{})]|.*:$|namespace\b|extern "C"')
+
+
+def check_functions():
+    """A function ends at a line with only a brace, which has the indentation of the function's first line."""
+    for path in files("*.c", "*.h", "*.cpp", "*.hpp"):
+        name = path.relative_to(ROOT).as_posix()
+        if LISTS_OF_CASES.match(name):
+            continue
+        begins = {}  # indentation -> the last line that may begin a function
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            text = line.lstrip()
+            indentation = len(line) - len(text)
+            length = number - begins.get(indentation, number) + 1
+            if text == "}" and length > LONG_FUNCTION:
+                fault(f"{name}:{begins[indentation]}", f"a function of {length} lines: split it")
+            elif text and not NO_FUNCTION.match(text):
+                begins[indentation] = number
+
+
 # Who may include whom: folder -> its parts, lowest first, each with those of them that it may include besides
 # itself. "" is the root; "." are the files directly in the folder. A part allows only parts listed before it,
 # so there are no circles. Where "tests" is a part, it is the tests, their helpers and benchmarks (TEST_FILE),
@@ -395,6 +418,7 @@ def check_identifiers():
 check_packages()
 check_printed()
 check_sources()
+check_functions()
 check_layers()
 check_owners()
 check_json()

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -141,6 +144,70 @@ std::string ids_text(const std::set<int>& ids) {
   return text;
 }
 
+// Protocols and rates to try, in this order.
+std::vector<std::pair<Protocol, long>> places_of(const BusScanOptions& options,
+                                                 const std::optional<Protocol>& given,
+                                                 const std::vector<long>& bauds) {
+  std::vector<std::pair<Protocol, long>> places;
+  for (const Protocol protocol : {Protocol::feetech, Protocol::dynamixel}) {
+    if (given && given != protocol) continue;
+    if (!options.protocol.empty() && options.protocol != servo_bus::name_of(protocol)) continue;
+    for (const long baud : bauds.empty() ? host::bus_rates(protocol) : bauds)
+      places.emplace_back(protocol, baud);
+  }
+  return places;
+}
+
+struct BusFindings {
+  std::vector<Found> servos;
+  std::set<int> undecided;  // ids that may have a servo
+  std::string excuse;       // why the last of these ids is undecided
+};
+
+// Prints the findings on the bus at `port`, as JSON or as a table.
+Result<ExitStatus> report(BusFindings findings, const std::string& port, bool json_output) {
+  auto& [all, undecided, excuse] = findings;
+  auto remarks = of_bus(all);
+  for (const Found& one : all) undecided.erase(one.servo.id);
+  if (!undecided.empty())
+    remarks.push_back({false, "it is undecided whether a servo has id " + ids_text(undecided) +
+                                  ": " + excuse + "; " + kScanAgain});
+  const bool late = !undecided.empty() ||
+                    std::ranges::any_of(all, [](const Found& one) { return one.servo.late > 0; });
+  bool good = !all.empty();
+  for (const Found& one : all)
+    for (const host::ScanRemark& remark : one.remarks) good = good && !remark.wrong;
+  for (const host::ScanRemark& remark : remarks) good = good && !remark.wrong;
+  // No fault was found, but some requests are undecided.
+  const auto outcome =
+      good && late ? ExitStatus::with_status(static_cast<int>(Fault::environment)) : ExitStatus(good);
+  if (json_output) {
+    Json json{{"port", port}, {"ok", good}, {"servos", Json::array()}};
+    for (const Found& one : all) json["servos"].push_back(as_json(one));
+    json["remarks"] = Json::array();
+    for (const host::ScanRemark& one : remarks)
+      json["remarks"].push_back({{"wrong", one.wrong}, {"text", one.text}});
+    json["provenance"] = provenance_json();
+    print_json(json);
+    return outcome;
+  }
+  if (all.empty() && late)
+    return fail(Fault::environment, "no servo answers on " + port +
+                                        ", but it is undecided whether a servo is there, because " +
+                                        excuse + "; " + kScanAgain);
+  if (all.empty()) {
+    std::printf(
+        "no servo answers on %s: check its supply and the plug next to the adapter, and end other "
+        "programs that use the port\n",
+        port.c_str());
+    return false;
+  }
+  print(all);
+  for (const host::ScanRemark& remark : remarks)
+    print_lines("%s: %s\n", remark.wrong ? "wrong" : "note", remark.text.c_str());
+  return outcome;
+}
+
 }  // namespace
 
 Result<ExitStatus> run_bus_scan(const BusScanOptions& options) {
@@ -157,16 +224,9 @@ Result<ExitStatus> run_bus_scan(const BusScanOptions& options) {
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   host::WallClock clock(&interrupt);
-  std::vector<std::pair<Protocol, long>> places;
-  for (const Protocol protocol : {Protocol::feetech, Protocol::dynamixel}) {
-    if (bus.protocol && bus.protocol != protocol) continue;
-    if (!options.protocol.empty() && options.protocol != servo_bus::name_of(protocol)) continue;
-    for (const long baud : bauds.empty() ? host::bus_rates(protocol) : bauds)
-      places.emplace_back(protocol, baud);
-  }
-  std::vector<Found> all;
-  std::set<int> undecided;
-  std::string excuse;
+  const auto places = places_of(options, bus.protocol, bauds);
+  BusFindings findings;
+  auto& all = findings.servos;
   Progress progress("kaz bus scan", options.json);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& [protocol, baud] = places[i];
@@ -193,8 +253,8 @@ Result<ExitStatus> run_bus_scan(const BusScanOptions& options) {
     host::LatenessMeter meter(**link, clock, time_lost_behind((*link)->name(), interrupt));
     scan.lateness = &meter;
     scan.undecided = [&](int id, const std::string& why) {
-      undecided.insert(id);
-      excuse = why;
+      findings.undecided.insert(id);
+      findings.excuse = why;
     };
     const auto found = host::scan_bus(meter, meter, protocol, baud, scan);
     if (!found && interrupt.requested()) {
@@ -206,45 +266,7 @@ Result<ExitStatus> run_bus_scan(const BusScanOptions& options) {
       all.push_back({protocol, baud, servo, host::remarks_on(servo, protocol)});
   }
   progress.done();
-  auto remarks = of_bus(all);
-  for (const Found& one : all) undecided.erase(one.servo.id);
-  if (!undecided.empty())
-    remarks.push_back({false, "it is undecided whether a servo has id " + ids_text(undecided) +
-                                  ": " + excuse + "; " + kScanAgain});
-  const bool late = !undecided.empty() ||
-                    std::ranges::any_of(all, [](const Found& one) { return one.servo.late > 0; });
-  bool good = !all.empty();
-  for (const Found& one : all)
-    for (const host::ScanRemark& remark : one.remarks) good = good && !remark.wrong;
-  for (const host::ScanRemark& remark : remarks) good = good && !remark.wrong;
-  // No fault was found, but some requests are undecided.
-  const auto outcome = good && late ? ExitStatus::with_status(static_cast<int>(Fault::environment))
-                                    : ExitStatus(good);
-  if (options.json) {
-    Json json{{"port", address.name()}, {"ok", good}, {"servos", Json::array()}};
-    for (const Found& one : all) json["servos"].push_back(as_json(one));
-    json["remarks"] = Json::array();
-    for (const host::ScanRemark& one : remarks)
-      json["remarks"].push_back({{"wrong", one.wrong}, {"text", one.text}});
-    json["provenance"] = provenance_json();
-    print_json(json);
-    return outcome;
-  }
-  if (all.empty() && late)
-    return fail(Fault::environment, "no servo answers on " + address.name() +
-                                        ", but it is undecided whether a servo is there, because " +
-                                        excuse + "; " + kScanAgain);
-  if (all.empty()) {
-    std::printf(
-        "no servo answers on %s: check its supply and the plug next to the adapter, and end other "
-        "programs that use the port\n",
-        address.name().c_str());
-    return false;
-  }
-  print(all);
-  for (const host::ScanRemark& remark : remarks)
-    print_lines("%s: %s\n", remark.wrong ? "wrong" : "note", remark.text.c_str());
-  return outcome;
+  return report(std::move(findings), address.name(), options.json);
 }
 
 }  // namespace kaz::tools

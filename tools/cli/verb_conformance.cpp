@@ -31,6 +31,38 @@ Result<void> check_kind(const CLI::App& verb, ConformanceOptions& arguments) {
   return {};
 }
 
+// Adds the options of a servo on a bus. `arguments` must outlive `verb`.
+void add_bus_options(CLI::App& verb, ConformanceOptions& arguments) {
+  auto* bus = verb.add_option_function<std::string>(
+      "--bus",
+      [&arguments](const std::string& protocol) {
+        arguments.bus =
+            protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
+      },
+      "check a servo on a servo bus instead of a board. The cases check whether the servo follows "
+      "its manufacturer's documentation");
+  bus->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
+      ->type_name("feetech|dynamixel");
+  verb.add_option("--id", arguments.id, "id of the servo on the bus")
+      ->check(between(0, 253))
+      ->capture_default_str()
+      ->type_name("N");
+  verb.add_option("--baud", arguments.baud,
+                  "baud rate of the bus (default: factory setting, which is 1000000 for Feetech "
+                  "and 57600 for ROBOTIS)")
+      ->check(between(1200L, 10000000L))
+      ->type_name("BAUD");
+  verb.add_flag("--allow-eeprom", arguments.allow_eeprom,
+                "on a bus: also run the cases that write the EEPROM. Writing wears the EEPROM; "
+                "each value is restored");
+  verb.add_flag(
+      "--alone", arguments.alone,
+      "on a bus with only this servo: also run the cases that send requests to all servos");
+  verb.add_flag("--release", arguments.release,
+                "on a bus: switch off the servo's torque before the cases run; hold the arm, "
+                "because the joint goes limp");
+}
+
 }  // namespace
 
 void add_conformance(CLI::App& program, Action& action) {
@@ -46,34 +78,7 @@ void add_conformance(CLI::App& program, Action& action) {
              "check a virtual board on a bench, in simulated time: h8 executes the firmware image; "
              "native runs the firmware's C code, compiled for this machine")
       ->excludes(port);
-  auto* bus = verb->add_option_function<std::string>(
-      "--bus",
-      [arguments](const std::string& protocol) {
-        arguments->bus =
-            protocol == "feetech" ? servo_bus::Protocol::feetech : servo_bus::Protocol::dynamixel;
-      },
-      "check a servo on a servo bus instead of a board. The cases check whether the servo follows "
-      "its manufacturer's documentation");
-  bus->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
-      ->type_name("feetech|dynamixel");
-  verb->add_option("--id", arguments->id, "id of the servo on the bus")
-      ->check(between(0, 253))
-      ->capture_default_str()
-      ->type_name("N");
-  verb->add_option("--baud", arguments->baud,
-                   "baud rate of the bus (default: factory setting, which is 1000000 for Feetech "
-                   "and 57600 for ROBOTIS)")
-      ->check(between(1200L, 10000000L))
-      ->type_name("BAUD");
-  verb->add_flag("--allow-eeprom", arguments->allow_eeprom,
-                 "on a bus: also run the cases that write the EEPROM. Writing wears the EEPROM; "
-                 "each value is restored");
-  verb->add_flag(
-      "--alone", arguments->alone,
-      "on a bus with only this servo: also run the cases that send requests to all servos");
-  verb->add_flag("--release", arguments->release,
-                 "on a bus: switch off the servo's torque before the cases run; hold the arm, "
-                 "because the joint goes limp");
+  add_bus_options(*verb, *arguments);
   verb->add_option("--image", arguments->image, "firmware image for h8: an S-record or COFF file")
       ->type_name("FILE");
   verb->add_flag("--allow-motion", arguments->allow_motion,

@@ -201,6 +201,157 @@ void add_merge(CLI::App& evaluate, Action& action) {
   });
 }
 
+// Adds the options of the virtual robot, the episodes and their parts.
+void add_campaign_options(CLI::App& verb, Arguments& arguments) {
+  CampaignOptions& c = arguments.campaign;
+  // The virtual robot of kaz run, but for what each episode draws or fixes.
+  add_sim_options(verb, c.backend);
+  verb.get_option("--eyes")->description(verb.get_option("--eyes")->get_description() +
+                                         " (the default for such behaviors)");
+  for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
+                            "--physics-step", "--supply", "--eye-width", "--seed"})
+    verb.remove_option(verb.get_option(fixed));
+  verb.add_option("BEHAVIOR", c.behavior,
+                  "(required) behavior, as in kaz run: a name, or a plug-in (./NAME.so)")
+      ->type_name("");
+  verb.add_option("--episodes", c.episodes, "number of episodes, in all parts together")
+      ->check(between(1, 1000000))
+      ->capture_default_str();
+  verb.add_option("--seed", c.seed,
+                  "seed of all random choices; the same seed gives the same episodes")
+      ->transform(whole_number())
+      ->type_name("N")
+      ->capture_default_str();
+  verb.add_option("--jobs", c.jobs, "number of episodes that run in parallel")
+      ->check(between(1, 256))
+      ->capture_default_str();
+  verb.add_option("--out", c.out,
+                  "(required) folder for result.json, episodes.csv, junit.xml and recordings of "
+                  "failures; the same command continues an interrupted evaluation")
+      ->type_name("DIR");
+  verb.add_option("--shard", arguments.shard,
+                  "run only part I of N; kaz evaluate merge joins the parts")
+      ->type_name("I/N")
+      ->capture_default_str();
+  add_settings(verb, arguments.settings, "an option of the behavior (kaz run NAME --help)");
+}
+
+// Adds the options of the choices that each episode draws.
+void add_variation_options(CLI::App& verb, Arguments& arguments) {
+  Variation& v = arguments.campaign.variation;
+  add_interval(verb, "--friction", arguments.friction, v.friction, {0.01, 10},
+               "friction coefficient of the floor, drawn from this range");
+  add_interval(verb, "--supply", arguments.supply, v.supply_volts, {kMinSupply_v, kMaxSupply_v},
+               "supply of the board, V, drawn from this range", "V");
+  add_interval(verb, "--ball-distance", arguments.distance, v.ball_distance_m, {0.05, 20},
+               "distance of the ball from the feet, m, drawn from this range", "m");
+  verb.add_option(
+          "--bearing", v.bearing_deg,
+          "maximum bearing of the ball or the goal, degrees. The bearing is the angle to the left "
+          "or right of the direction straight ahead")
+      ->check(between(0.0, 180.0, "degrees"))
+      ->capture_default_str()
+      ->type_name("DEGREES");
+  add_list(verb, "--radii", v.radii_m, "radii of balls, m, separated by commas")
+      ->check(between(0.005, 0.5, "m"));
+  add_list(verb, "--colors", v.colors, "colors of balls, separated by commas: red, green, blue");
+  add_list(verb, "--floors", v.floors,
+           "patterns of floors, separated by commas: wood, carpet, checker, plain");
+  add_interval(
+      verb, "--props", arguments.props, v.props, {0, 20},
+      "number of boxes, cans and large balls in the world, drawn from this range. Every third "
+      "object has the ball's color, and no object is on the straight path to the ball");
+  add_interval(verb, "--lamp", arguments.lamp, v.lamp, {0.01, 100},
+               "factor for the brightness of the lamp, drawn from this range; the lamp is in a "
+               "random direction, at an elevation of 35 to 80 degrees");
+  add_interval(verb, "--shade", arguments.shade, v.shade, {0.01, 100},
+               "factor for the brightness of shadows, drawn from this range");
+  std::string kinds;
+  for (const WorldKindInfo& info : world_kinds())
+    kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
+  add_list(verb, "--worlds", arguments.worlds,
+           "only with navigate: kinds of worlds, separated by commas; the episodes use the kinds "
+           "in turn. Give the word 'all', or names from this list: " +
+               kinds);
+  add_interval(verb, "--density", arguments.density, v.density, {0, 1},
+               "only with navigate: difficulty of the worlds, drawn from this range; a higher "
+               "difficulty means more obstacles or narrower gaps");
+  verb.add_option("--obstacles", v.max_obstacles,
+                  "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
+                  "'patterned-floor', 'plain-floor' and 'dark'. The world 'two-balls' has at most "
+                  "N / 2 boxes and cans. In all five worlds, the minimum number of boxes and cans "
+                  "is half of their maximum number")
+      ->check(between(0, 30))
+      ->type_name("N")
+      ->capture_default_str();
+  add_interval(
+      verb, "--goal-distance", arguments.goal_distance, v.goal_distance_m, {0.3, 2.5},
+      "distance from the robot's start to the goal, m, drawn from this range. The option is only "
+      "valid with navigate. The option is not valid with --set goal=X,Y",
+      "m");
+  verb.add_option("--mass-sigma", v.mass_sigma,
+                  "standard deviation of each link's mass, as a fraction of the mass")
+      ->check(between(0.0, 0.3))
+      ->capture_default_str();
+}
+
+void add_push_options(CLI::App& verb, Pushes& pushes) {
+  auto* push = verb.add_option("--push", pushes.impulse_ns,
+                               "impulse of each push on the trunk, N s (default: no pushes)")
+                   ->check(between(0.01, 5.0, "N s"))
+                   ->type_name("NS");
+  add_choice(verb, "--push-to", kPushTo, pushes.to,
+             "direction of the pushes, as seen by the robot at its start. With 'sides', each push "
+             "goes at random to the left or right. With 'around', each push has a random direction")
+      ->needs(push);
+  verb.add_option(
+          "--push-from", pushes.from_s,
+          "time from the robot's first step to the first push. For the behaviors 'stand', "
+          "'get-up', 'search-ball' and 'track-ball', the time counts from the start of the run, "
+          "and the default is 1 s")
+      ->check(between(0.0, 600.0, "s"))
+      ->capture_default_str()
+      ->type_name("S")
+      ->needs(push);
+  verb.add_option("--push-every", pushes.every_s, "time between pushes, s")
+      ->check(between(0.1, 600.0, "s"))
+      ->capture_default_str()
+      ->type_name("S")
+      ->needs(push);
+}
+
+// Adds the options of Slurm and GNU parallel.
+void add_cluster_options(CLI::App& verb, Arguments& arguments) {
+  auto* slurm =
+      verb.add_option(
+              "--slurm", arguments.slurm_tasks,
+              "run on a Slurm cluster, as a job array with this number of tasks. The folder "
+              "of --out and the program kaz must be on a disk that all nodes share. --jobs is the "
+              "number of processors for each task")
+          ->check(between(1, 100000))
+          ->type_name("TASKS");
+  verb.add_option("--sbatch", arguments.sbatch,
+                  "options for sbatch, as one argument, such as \"--partition=day --time=60\"")
+      ->needs(slurm)
+      ->type_name("OPTIONS");
+  auto* hosts =
+      verb.add_option(
+              "--parallel-hosts", arguments.hosts,
+              "run with GNU parallel, on the machines that this file lists. Each line names one "
+              "machine: an ssh destination, or ':' for this machine. To use 8 processors of a "
+              "machine, put 8/ before its name, as in 8/lab1. DIR and kaz must have the same paths "
+              "on all machines")
+          ->type_name("FILE");
+  verb.add_option("--parallel-tasks", arguments.hosts_tasks,
+                  "number of parts (default: 100, or the number of episodes if that is smaller)")
+      ->check(between(1, 100000))
+      ->needs(hosts)
+      ->type_name("TASKS");
+  hosts->excludes(slurm);
+  for (const char* other : {"--shard", "--realtime"})
+    verb.get_option(other)->excludes(slurm)->excludes(hosts);
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& program, Action& action) {
@@ -210,115 +361,9 @@ void add_evaluate(CLI::App& program, Action& action) {
   CampaignOptions& c = arguments->campaign;
   c.backend.eyes = sim::EyeKind::real;
   c.backend.imu = true;
-  // The virtual robot of kaz run, but for what each episode draws or fixes.
-  add_sim_options(*verb, c.backend);
-  verb->get_option("--eyes")->description(verb->get_option("--eyes")->get_description() +
-                                          " (the default for such behaviors)");
-  for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
-                            "--physics-step", "--supply", "--eye-width", "--seed"})
-    verb->remove_option(verb->get_option(fixed));
-  verb->add_option("BEHAVIOR", c.behavior,
-                   "(required) behavior, as in kaz run: a name, or a plug-in (./NAME.so)")
-      ->type_name("");
-  verb->add_option("--episodes", c.episodes, "number of episodes, in all parts together")
-      ->check(between(1, 1000000))
-      ->capture_default_str();
-  verb->add_option("--seed", c.seed,
-                   "seed of all random choices; the same seed gives the same episodes")
-      ->transform(whole_number())
-      ->type_name("N")
-      ->capture_default_str();
-  verb->add_option("--jobs", c.jobs, "number of episodes that run in parallel")
-      ->check(between(1, 256))
-      ->capture_default_str();
-  verb->add_option("--out", c.out,
-                   "(required) folder for result.json, episodes.csv, junit.xml and recordings of "
-                   "failures; the same command continues an interrupted evaluation")
-      ->type_name("DIR");
-  verb->add_option("--shard", arguments->shard,
-                   "run only part I of N; kaz evaluate merge joins the parts")
-      ->type_name("I/N")
-      ->capture_default_str();
-  add_settings(*verb, arguments->settings, "an option of the behavior (kaz run NAME --help)");
-  const Variation& v = c.variation;
-  add_interval(*verb, "--friction", arguments->friction, v.friction, {0.01, 10},
-               "friction coefficient of the floor, drawn from this range");
-  add_interval(*verb, "--supply", arguments->supply, v.supply_volts, {kMinSupply_v, kMaxSupply_v},
-               "supply of the board, V, drawn from this range", "V");
-  add_interval(*verb, "--ball-distance", arguments->distance, v.ball_distance_m, {0.05, 20},
-               "distance of the ball from the feet, m, drawn from this range", "m");
-  verb->add_option(
-          "--bearing", c.variation.bearing_deg,
-          "maximum bearing of the ball or the goal, degrees. The bearing is the angle to the left "
-          "or right of the direction straight ahead")
-      ->check(between(0.0, 180.0, "degrees"))
-      ->capture_default_str()
-      ->type_name("DEGREES");
-  add_list(*verb, "--radii", c.variation.radii_m, "radii of balls, m, separated by commas")
-      ->check(between(0.005, 0.5, "m"));
-  add_list(*verb, "--colors", c.variation.colors,
-           "colors of balls, separated by commas: red, green, blue");
-  add_list(*verb, "--floors", c.variation.floors,
-           "patterns of floors, separated by commas: wood, carpet, checker, plain");
-  add_interval(
-      *verb, "--props", arguments->props, v.props, {0, 20},
-      "number of boxes, cans and large balls in the world, drawn from this range. Every third "
-      "object has the ball's color, and no object is on the straight path to the ball");
-  add_interval(*verb, "--lamp", arguments->lamp, v.lamp, {0.01, 100},
-               "factor for the brightness of the lamp, drawn from this range; the lamp is in a "
-               "random direction, at an elevation of 35 to 80 degrees");
-  add_interval(*verb, "--shade", arguments->shade, v.shade, {0.01, 100},
-               "factor for the brightness of shadows, drawn from this range");
-  std::string kinds;
-  for (const WorldKindInfo& info : world_kinds())
-    kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
-  add_list(*verb, "--worlds", arguments->worlds,
-           "only with navigate: kinds of worlds, separated by commas; the episodes use the kinds "
-           "in turn. Give the word 'all', or names from this list: " +
-               kinds);
-  add_interval(*verb, "--density", arguments->density, v.density, {0, 1},
-               "only with navigate: difficulty of the worlds, drawn from this range; a higher "
-               "difficulty means more obstacles or narrower gaps");
-  verb->add_option("--obstacles", c.variation.max_obstacles,
-                   "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
-                   "'patterned-floor', 'plain-floor' and 'dark'. The world 'two-balls' has at most "
-                   "N / 2 boxes and cans. In all five worlds, the minimum number of boxes and cans "
-                   "is half of their maximum number")
-      ->check(between(0, 30))
-      ->type_name("N")
-      ->capture_default_str();
-  add_interval(
-      *verb, "--goal-distance", arguments->goal_distance, v.goal_distance_m, {0.3, 2.5},
-      "distance from the robot's start to the goal, m, drawn from this range. The option is only "
-      "valid with navigate. The option is not valid with --set goal=X,Y",
-      "m");
-  verb->add_option("--mass-sigma", c.variation.mass_sigma,
-                   "standard deviation of each link's mass, as a fraction of the mass")
-      ->check(between(0.0, 0.3))
-      ->capture_default_str();
-  Pushes& pushes = c.variation.pushes;
-  auto* push = verb->add_option("--push", pushes.impulse_ns,
-                                "impulse of each push on the trunk, N s (default: no pushes)")
-                   ->check(between(0.01, 5.0, "N s"))
-                   ->type_name("NS");
-  add_choice(*verb, "--push-to", kPushTo, pushes.to,
-             "direction of the pushes, as seen by the robot at its start. With 'sides', each push "
-             "goes at random to the left or right. With 'around', each push has a random direction")
-      ->needs(push);
-  verb->add_option(
-          "--push-from", pushes.from_s,
-          "time from the robot's first step to the first push. For the behaviors 'stand', "
-          "'get-up', 'search-ball' and 'track-ball', the time counts from the start of the run, "
-          "and the default is 1 s")
-      ->check(between(0.0, 600.0, "s"))
-      ->capture_default_str()
-      ->type_name("S")
-      ->needs(push);
-  verb->add_option("--push-every", pushes.every_s, "time between pushes, s")
-      ->check(between(0.1, 600.0, "s"))
-      ->capture_default_str()
-      ->type_name("S")
-      ->needs(push);
+  add_campaign_options(*verb, *arguments);
+  add_variation_options(*verb, *arguments);
+  add_push_options(*verb, c.variation.pushes);
   verb->add_flag("--calibrated", c.calibrated,
                  "with --sensors as-built: calibrate each robot's joints before the episode, as "
                  "kaz calibrate joints does");
@@ -330,38 +375,12 @@ void add_evaluate(CLI::App& program, Action& action) {
   verb->add_flag("--realtime", c.realtime,
                  "run in real time, with kaz sim and kaz run as separate processes connected by a "
                  "pty; needs two processors for each job");
-  auto* slurm =
-      verb->add_option(
-              "--slurm", arguments->slurm_tasks,
-              "run on a Slurm cluster, as a job array with this number of tasks. The folder "
-              "of --out and the program kaz must be on a disk that all nodes share. --jobs is the "
-              "number of processors for each task")
-          ->check(between(1, 100000))
-          ->type_name("TASKS");
-  verb->add_option("--sbatch", arguments->sbatch,
-                   "options for sbatch, as one argument, such as \"--partition=day --time=60\"")
-      ->needs(slurm)
-      ->type_name("OPTIONS");
-  auto* hosts =
-      verb->add_option(
-              "--parallel-hosts", arguments->hosts,
-              "run with GNU parallel, on the machines that this file lists. Each line names one "
-              "machine: an ssh destination, or ':' for this machine. To use 8 processors of a "
-              "machine, put 8/ before its name, as in 8/lab1. DIR and kaz must have the same paths "
-              "on all machines")
-          ->type_name("FILE");
-  verb->add_option("--parallel-tasks", arguments->hosts_tasks,
-                   "number of parts (default: 100, or the number of episodes if that is smaller)")
-      ->check(between(1, 100000))
-      ->needs(hosts)
-      ->type_name("TASKS");
-  hosts->excludes(slurm);
-  for (const char* other : {"--shard", "--realtime"})
-    verb->get_option(other)->excludes(slurm)->excludes(hosts);
+  add_cluster_options(*verb, *arguments);
   verb->add_flag("--json", c.json, "print result.json, without progress messages");
   auto watch = std::make_shared<WatchArguments>();
   add_watch_options(*verb, *watch);
-  verb->get_option("--view")->excludes(slurm)->excludes(hosts);
+  for (const char* cluster : {"--slurm", "--parallel-hosts"})
+    verb->get_option("--view")->excludes(verb->get_option(cluster));
   verb->footer(
       "Each episode has its own robot (masses, sensors), floor (friction, pattern), start, light, "
       "supply and ball (place, radius, color). These random choices depend only on --seed and the "

@@ -96,30 +96,35 @@ void add_learn(CLI::App& vision, Action& action) {
   verb->callback([&action, arguments] { action = [arguments] { return learn(*arguments); }; });
 }
 
+// Adds --in, --left and --right.
+void add_sources(CLI::App& verb, RecordedOptions& options) {
+  auto* in = verb.add_option("--in", options.in,
+                             "source of the pictures: a folder, one picture, a recording "
+                             "(recording.mcap, made with --record-pictures), a camera socket (kaz "
+                             "sim --cameras), or two cameras of this machine "
+                             "(v4l2:LEFT,RIGHT[,fps=N][,format=NAME], such as "
+                             "v4l2:/dev/video0,/dev/video2). The pictures in a folder are used in "
+                             "the order of their names")
+                 ->type_name("SOURCE");
+  auto* left = verb.add_option("--left", options.left,
+                               "left pictures of stereo pairs: a file name pattern in quotes")
+                   ->excludes(in)
+                   ->type_name("PATTERN");
+  auto* right =
+      verb.add_option("--right", options.right,
+                      "right pictures of the stereo pairs: a file name pattern in quotes. "
+                      "The pictures of a pair have the same number in their names")
+          ->needs(left)
+          ->type_name("PATTERN");
+  left->needs(right);
+}
+
 void add_run_on_pictures(CLI::App& vision, Action& action) {
   auto* verb = vision.add_subcommand(
       "run",
       "find balls, depth, planes and motion in pictures from files, recordings or live cameras");
   auto options = std::make_shared<RecordedOptions>();
-  auto* in = verb->add_option("--in", options->in,
-                              "source of the pictures: a folder, one picture, a recording "
-                              "(recording.mcap, made with --record-pictures), a camera socket (kaz "
-                              "sim --cameras), or two cameras of this machine "
-                              "(v4l2:LEFT,RIGHT[,fps=N][,format=NAME], such as "
-                              "v4l2:/dev/video0,/dev/video2). The pictures in a folder are used in "
-                              "the order of their names")
-                 ->type_name("SOURCE");
-  auto* left = verb->add_option("--left", options->left,
-                                "left pictures of stereo pairs: a file name pattern in quotes")
-                   ->excludes(in)
-                   ->type_name("PATTERN");
-  auto* right =
-      verb->add_option("--right", options->right,
-                       "right pictures of the stereo pairs: a file name pattern in quotes. "
-                       "The pictures of a pair have the same number in their names")
-          ->needs(left)
-          ->type_name("PATTERN");
-  left->needs(right);
+  add_sources(*verb, *options);
   verb->add_option("--out", options->out, "folder for overlays, a table (CSV) and result.json")
       ->required()
       ->type_name("DIR");

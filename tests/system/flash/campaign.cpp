@@ -128,6 +128,15 @@ Plan plan_of(std::uint64_t seed) {
   return plan;
 }
 
+// Flashes the board once more, with `image`. Returns the fault; empty: the board runs the image.
+std::string reflash_fault(FlashBench& bench, Way way, const FlashImage& image,
+                          const std::vector<std::uint8_t>& writer) {
+  const auto again = flash(bench, way, image, writer);
+  if (!again) return "it cannot be flashed again: " + full_text(again.error());
+  if (bench.running_image() != image.identity()->crc) return "flashed again, it does not run";
+  return "";
+}
+
 }  // namespace
 
 CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
@@ -224,14 +233,7 @@ CampaignRun campaign_run(std::uint64_t seed, const std::string& image_path,
   } else if (done && !guarded && !at_once) {
     blame("success was reported, and the firmware does not run");
   }
-
-  // And the board can be flashed again.
-  const auto again = flash(bench, plan.way, next, writer);
-  if (!again) {
-    blame("it cannot be flashed again: " + full_text(again.error()));
-  } else if (bench.running_image() != next.identity()->crc) {
-    blame("flashed again, it does not run");
-  }
+  blame(reflash_fault(bench, plan.way, next, writer));
   return run;
 }
 
