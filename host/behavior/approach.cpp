@@ -262,6 +262,11 @@ Result<Outcome> run(Context& context) {
 }  // namespace
 
 constinit const Behavior kApproachBall{
-    "approach-ball", "find a ball and walk until a hand can grasp the ball", true, kOptions, run};
+    .name = "approach-ball",
+    .text = "find a ball and walk until a hand can grasp the ball",
+    .needs_camera = true,
+    .options = kOptions,
+    .run = run,
+    .evaluation = {.criterion = Criterion::ball_in_reach}};
 
 }  // namespace kaz::behavior

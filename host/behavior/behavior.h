@@ -6,7 +6,8 @@
 // returns the error at once. The behavior does not switch the motors off, because the caller of run() calls
 // Robot::disable_all() at the end.
 //
-// A new behavior needs one source file, which defines a `const Behavior`, and one line in behaviors.def.
+// A new behavior needs one source file, which defines a `const Behavior`, and one line in behaviors.def. Then
+// it can be run, drawn and evaluated, because programs read everything else from Behavior.
 // Alternatively, a behavior is a shared object (plugin.h). docs/howto/own-behavior.md shows an example.
 #pragma once
 
@@ -64,6 +65,44 @@ struct Outcome {
   std::string cause = {};
 };
 
+// Moment of a run that is worth a picture.
+struct Milestone {
+  std::string_view phase;  // as reported to Sink::phase(); each phase has at most one milestone
+  std::string_view name;   // name of the picture
+  // Time from the first start of the phase to the moment, s. If the phase ends earlier, its end counts.
+  double after_s = 0;
+};
+
+// Condition for success of an evaluated run. The evaluator measures, with its own bounds
+// (tools/eval/judge.h). If a criterion needs an option of the behavior, its comment names the option.
+enum class Criterion {
+  claim,           // the behavior reports success
+  ball_direction,  // the measurements ball_bearing_deg and ball_elevation_deg are true
+  ball_tracked,    // the left eye looks at the ball; `seconds`
+  ball_in_reach,   // the ball is in front of a hand
+  ball_held,       // the ball is above the floor
+  upright,         // the robot stands
+  walked,          // the robot walked straight; `distance`, m
+  turned_left,     // the robot turned on the spot; `angle`, degrees
+  turned_right,
+  at_goal,  // the robot reached the goal without touching an obstacle; `goal`, as for navigate
+};
+
+// Start and surroundings of an evaluated run.
+enum class Stage {
+  ball,    // the robot stands, with a ball and distractors around
+  lying,   // the robot lies on an empty floor
+  course,  // the robot stands in front of obstacles; needs the option `goal` of navigate
+};
+
+// Evaluation of a behavior by `kaz evaluate`.
+struct Evaluation {
+  Criterion criterion = Criterion::claim;  // built-in behaviors with `claim` are not evaluated
+  Stage stage = Stage::ball;
+  // False: the robot takes no steps, so the times of pushes count from the start of the run.
+  bool walks = true;
+};
+
 struct Behavior {
   std::string_view name;      // such as "track-ball"
   std::string_view text;      // description, one line
@@ -74,6 +113,11 @@ struct Behavior {
   Result<Outcome> (*run)(Context& context) = nullptr;
   bool needs_floor = false;     // run() uses Vision::take_floor()
   bool takes_requests = false;  // run() uses Context::requests
+  // Default world of `kaz run`, which contains the objects that the behavior needs.
+  std::string_view world = "ball";
+  // Empty: pictures show only the phase `track`, at four times.
+  std::span<const Milestone> milestones = {};
+  Evaluation evaluation = {};
 };
 
 // All behaviors of behaviors.def, in the order of that file.

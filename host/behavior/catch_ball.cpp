@@ -24,6 +24,14 @@ constexpr Option kOptions[] = {
     {"seconds", "300", "", 10, 3600, "time after which the behavior gives up, s"},
 };
 
+// After 5 s of walking, the robot is 0.2 m nearer to the ball. After 1.2 s of holding, the head has turned to
+// the hand.
+constexpr Milestone kMilestones[] = {{"search", "search", 0.5},
+                                     {"look", "track", 0.4},
+                                     {"walk", "approach", 5},
+                                     {"close", "catch", 0},
+                                     {"hold", "hold", 1.2}};
+
 // Threshold of the jaw's position error: a jaw blocked by the ball stays 11 degrees from its target, a
 // free one at most 3 (friction of 0.05 Nm at 0.8 of full duty (2.16 Nm) per rad, and one code of its
 // potentiometer).
@@ -227,6 +235,13 @@ Result<Outcome> catch_ball(BodyControl& body, const CatchOptions& options) {
 }
 
 constinit const Behavior kCatchBall{
-    "catch-ball", "find a ball on the floor, pick up the ball and hold it", true, kOptions, run};
+    .name = "catch-ball",
+    .text = "find a ball on the floor, pick up the ball and hold it",
+    .needs_camera = true,
+    .options = kOptions,
+    .run = run,
+    .world = "catch",
+    .milestones = kMilestones,
+    .evaluation = {.criterion = Criterion::ball_held}};
 
 }  // namespace kaz::behavior

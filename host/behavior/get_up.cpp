@@ -234,7 +234,11 @@ Lying lying_from(double forward_g, double left_g) {
   return left_g < 0 ? Lying::on_left : Lying::on_right;
 }
 
-constinit const Behavior kGetUp{"get-up", "get up after a fall and stand in the walking crouch",
-                                false, kOptions, run};
+constinit const Behavior kGetUp{
+    .name = "get-up",
+    .text = "get up after a fall and stand in the walking crouch",
+    .options = kOptions,
+    .run = run,
+    .evaluation = {.criterion = Criterion::upright, .stage = Stage::lying, .walks = false}};
 
 }  // namespace kaz::behavior

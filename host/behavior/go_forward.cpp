@@ -84,7 +84,10 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kGoForward{"go-forward", "walk straight ahead for a distance", false,
-                                    kOptions, run};
+constinit const Behavior kGoForward{.name = "go-forward",
+                                    .text = "walk straight ahead for a distance",
+                                    .options = kOptions,
+                                    .run = run,
+                                    .evaluation = {.criterion = Criterion::walked}};
 
 }  // namespace kaz::behavior

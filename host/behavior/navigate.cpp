@@ -681,6 +681,8 @@ constinit const Behavior kNavigate{
     .needs_camera = true,
     .options = kOptions,
     .run = run,
-    .needs_floor = true};
+    .needs_floor = true,
+    .world = "boxes",
+    .evaluation = {.criterion = Criterion::at_goal, .stage = Stage::course}};
 
 }  // namespace kaz::behavior

@@ -107,8 +107,13 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kSearchBall{"search-ball", "look around until a ball is found", true,
-                                     kOptions, run};
+constinit const Behavior kSearchBall{
+    .name = "search-ball",
+    .text = "look around until a ball is found",
+    .needs_camera = true,
+    .options = kOptions,
+    .run = run,
+    .evaluation = {.criterion = Criterion::ball_direction, .walks = false}};
 
 Result<bool> search(HeadControl& head, Time limit, bool left_first) {
   head.phase("search");

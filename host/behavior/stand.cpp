@@ -91,7 +91,10 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kStand{"stand", "switch all motors on and move slowly into a posture",
-                                false, kOptions, run};
+constinit const Behavior kStand{.name = "stand",
+                                .text = "switch all motors on and move slowly into a posture",
+                                .options = kOptions,
+                                .run = run,
+                                .evaluation = {.criterion = Criterion::upright, .walks = false}};
 
 }  // namespace kaz::behavior

@@ -103,7 +103,12 @@ Result<Outcome> run(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kTrackBall{"track-ball", "find a ball and follow it with the head", true,
-                                    kOptions, run};
+constinit const Behavior kTrackBall{
+    .name = "track-ball",
+    .text = "find a ball and follow it with the head",
+    .needs_camera = true,
+    .options = kOptions,
+    .run = run,
+    .evaluation = {.criterion = Criterion::ball_tracked, .walks = false}};
 
 }  // namespace kaz::behavior

@@ -57,9 +57,15 @@ Result<Outcome> right(Context& context) {
 
 }  // namespace
 
-constinit const Behavior kTurnLeft{"turn-left", "turn to the left on the spot", false, kOptions,
-                                   left};
-constinit const Behavior kTurnRight{"turn-right", "turn to the right on the spot", false, kOptions,
-                                    right};
+constinit const Behavior kTurnLeft{.name = "turn-left",
+                                   .text = "turn to the left on the spot",
+                                   .options = kOptions,
+                                   .run = left,
+                                   .evaluation = {.criterion = Criterion::turned_left}};
+constinit const Behavior kTurnRight{.name = "turn-right",
+                                    .text = "turn to the right on the spot",
+                                    .options = kOptions,
+                                    .run = right,
+                                    .evaluation = {.criterion = Criterion::turned_right}};
 
 }  // namespace kaz::behavior

@@ -65,7 +65,8 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
   tools::RunOptions run;
   const bool named = arguments.contains("world");
   run.backend = take_world_arguments(arguments);
-  if (!named) run.backend.world = tools::usual_world(name);
+  if (const auto known = behavior::find_behavior(name); known && !named)
+    run.backend.world = known->world;
   run.behavior = name;
   run.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
   if (const auto loaded = tools::load_balance(name, run.settings); !loaded) raise(loaded.error());

@@ -85,9 +85,6 @@ Result<void> check_tasks(const std::string& option, int tasks, std::uint64_t epi
                                 std::to_string(episodes) + ")");
 }
 
-// Behaviors whose pushes are timed from the start.
-constexpr std::string_view kWithoutSteps[] = {"get-up", "search-ball", "stand", "track-ball"};
-
 Result<ExitStatus> start(Arguments a, const WatchArguments& watch,
                          const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
@@ -131,7 +128,7 @@ Result<ExitStatus> start(Arguments a, const WatchArguments& watch,
     return fail(Fault::usage,
                 "--set balance needs the board's gyro and accelerometer: leave --no-imu out, or "
                 "give --set balance=none");
-  if (std::ranges::count(kWithoutSteps, c.task()) > 0) {
+  if (const auto judged = c.judged_behavior(); judged && !judged->evaluation.walks) {
     c.variation.pushes.from_first_step = false;
     if (std::ranges::count(options, "--push-from") == 0) c.variation.pushes.from_s = 1;
   }
@@ -270,24 +267,29 @@ void add_variation_options(CLI::App& verb, Arguments& arguments) {
   for (const WorldKindInfo& info : world_kinds())
     kinds += (kinds.empty() ? "" : ", ") + std::string(info.name);
   add_list(verb, "--worlds", arguments.worlds,
-           "only with navigate: kinds of worlds, separated by commas; the episodes use the kinds "
-           "in turn. Give the word 'all', or names from this list: " +
+           "only with " + course_behaviors() +
+               ": kinds of worlds, separated by commas; the episodes use the kinds "
+               "in turn. Give the word 'all', or names from this list: " +
                kinds);
   add_interval(verb, "--density", arguments.density, v.density, {0, 1},
-               "only with navigate: difficulty of the worlds, drawn from this range; a higher "
-               "difficulty means more obstacles or narrower gaps");
-  verb.add_option("--obstacles", v.max_obstacles,
-                  "only with navigate: maximum number of boxes and cans in the worlds 'clutter', "
-                  "'patterned-floor', 'plain-floor' and 'dark'. The world 'two-balls' has at most "
-                  "N / 2 boxes and cans. In all five worlds, the minimum number of boxes and cans "
-                  "is half of their maximum number")
+               "only with " + course_behaviors() +
+                   ": difficulty of the worlds, drawn from this range; a higher "
+                   "difficulty means more obstacles or narrower gaps");
+  verb.add_option(
+          "--obstacles", v.max_obstacles,
+          "only with " + course_behaviors() +
+              ": maximum number of boxes and cans in the worlds 'clutter', "
+              "'patterned-floor', 'plain-floor' and 'dark'. The world 'two-balls' has at most "
+              "N / 2 boxes and cans. In all five worlds, the minimum number of boxes and cans "
+              "is half of their maximum number")
       ->check(between(0, 30))
       ->type_name("N")
       ->capture_default_str();
   add_interval(
       verb, "--goal-distance", arguments.goal_distance, v.goal_distance_m, {0.3, 2.5},
       "distance from the robot's start to the goal, m, drawn from this range. The option is only "
-      "valid with navigate. The option is not valid with --set goal=X,Y",
+      "valid with " +
+          course_behaviors() + ". The option is not valid with --set goal=X,Y",
       "m");
   verb.add_option("--mass-sigma", v.mass_sigma,
                   "standard deviation of each link's mass, as a fraction of the mass")

@@ -31,6 +31,18 @@ std::string timed_behaviors() {
   return list;
 }
 
+// Returns the default world of each behavior, for the help text.
+std::string default_worlds() {
+  const std::string_view common = behavior::Behavior{}.world;
+  std::string list;
+  for (const auto& one : behavior::behaviors()) {
+    if (one.world == common) continue;
+    list += "world '" + std::string(one.world) + "' for " +
+            (list.empty() ? "the behavior '" : "'") + std::string(one.name) + "', ";
+  }
+  return list + "world '" + std::string(common) + "' for all other behaviors";
+}
+
 // Options of the virtual robot, which have no effect on one at a port.
 constexpr const char* kVirtualOnly[] = {
     "--world",     "--mcu",      "--image",           "--sensors",       "--imu",
@@ -215,9 +227,7 @@ void add_run(CLI::App& program, Action& action) {
     show_shortcuts(*verb, &**chosen, shown);
   });
   verb->footer([chosen] { return footer(*chosen ? &**chosen : nullptr); });
-  verb->get_option("--world")->default_str(
-      "world 'catch' for the behavior 'catch-ball', world 'boxes' for 'navigate', world 'ball' for "
-      "all other behaviors");
+  verb->get_option("--world")->default_str(default_worlds());
   verb->callback([&action, arguments, verb, list] {
     action = [arguments, verb, list]() -> Result<ExitStatus> {
       if (*list) {
@@ -227,8 +237,11 @@ void add_run(CLI::App& program, Action& action) {
         return ExitStatus();
       }
       KAZ_TRY(check_given(*verb, arguments->run.behavior, arguments->run.backend.robot));
-      if (verb->count("--world") == 0)
-        arguments->run.backend.world = usual_world(arguments->run.behavior);
+      if (verb->count("--world") == 0) {
+        // If the behavior is unknown, run_behavior() fails.
+        if (const auto known = behavior::named_behavior(arguments->run.behavior))
+          arguments->run.backend.world = known->world;
+      }
       return run_behavior(*arguments);
     };
   });

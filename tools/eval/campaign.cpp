@@ -388,21 +388,27 @@ Result<void> refuse_others(const OutputFolder& folder, const Episodes& all) {
 // A plug-in that is to be judged as one of Kaz's behaviors, or one of these with a measure of its own.
 Result<void> check_judge(const CampaignOptions& options) {
   const bool plugin = behavior::names_plugin(options.behavior);
-  if (options.judged_as.empty() && !plugin && behavior::find_behavior(options.behavior) &&
-      !is_judged(options.behavior))
+  const auto judged = options.judged_behavior();
+  const bool measured = judged && judged->evaluation.criterion != behavior::Criterion::claim;
+  if (options.judged_as.empty() && !plugin && !measured)
     return fail(Fault::usage,
                 options.behavior + " has no success criterion; evaluate another behavior");
   if (options.judged_as.empty()) return {};
   if (!plugin)
     return fail(Fault::usage, "--judge is only valid with plug-ins: " + options.behavior +
                                   " has its own criterion");
-  if (is_judged(options.judged_as)) return {};
+  if (measured) return {};
   return fail(Fault::usage,
               "--judge: '" + options.judged_as +
                   "' has no success criterion; give a behavior from docs/howto/evaluate.md");
 }
 
 }  // namespace
+
+Result<behavior::Behavior> CampaignOptions::judged_behavior() const {
+  return judged_as.empty() ? behavior::named_behavior(behavior)
+                           : behavior::find_behavior(judged_as);
+}
 
 Json campaign_json(const CampaignOptions& o) {
   const auto pair = [](const Interval& i) { return Json{i.min, i.max}; };

@@ -40,8 +40,9 @@ struct CampaignOptions {
   // returned observer exists. Only its function pair() is called. Null: nobody can watch the episodes.
   std::function<std::unique_ptr<RunObserver>(BackendOptions&)> watch;
 
-  // Returns the name of the behavior whose criterion decides success.
-  const std::string& task() const { return judged_as.empty() ? behavior : judged_as; }
+  // Returns the behavior whose evaluation applies: judged_as, or else the behavior itself. Fails (usage) if
+  // there is no such behavior.
+  Result<behavior::Behavior> judged_behavior() const;
 };
 
 // Returns everything that determines the course of the episodes. Campaigns with equal JSON can differ only in

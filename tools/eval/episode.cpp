@@ -102,7 +102,7 @@ Json episode_json(std::uint64_t number, const Scenario& scenario, const Ended& e
   return episode;
 }
 
-// A world to walk in and, unless one is set, its goal: that of `navigate`.
+// A world to walk in and, unless one is set, its goal.
 Result<void> add_goal(const Variation& variation, Scenario& scenario,
                       std::map<std::string, std::string>& settings) {
   const auto set = settings.find("goal");
@@ -137,13 +137,18 @@ void add_pushes(Json& episode, const Scenario& scenario, const Judge& judge) {
 
 Result<DrawnEpisode> draw_episode(const CampaignOptions& options, std::uint64_t number) {
   DrawnEpisode drawn{Scenario::draw(options.variation, options.seed, number), options.settings};
-  if (options.task() == "navigate") {
-    KAZ_TRY(add_goal(options.variation, drawn.scenario, drawn.settings));
-  } else if (options.task() == "get-up") {
-    drawn.scenario.has_ball = false;
-    drawn.scenario.lay_down();
-  } else {
-    KAZ_TRY(drawn.scenario.add_props(options.variation));
+  const auto judged = KAZ_TRY(options.judged_behavior());
+  switch (judged.evaluation.stage) {
+    case behavior::Stage::ball:
+      KAZ_TRY(drawn.scenario.add_props(options.variation));
+      break;
+    case behavior::Stage::lying:
+      drawn.scenario.has_ball = false;
+      drawn.scenario.lay_down();
+      break;
+    case behavior::Stage::course:
+      KAZ_TRY(add_goal(options.variation, drawn.scenario, drawn.settings));
+      break;
   }
   return drawn;
 }
@@ -168,8 +173,8 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   const Scenario& scenario = drawn.scenario;
   const std::map<std::string, std::string>& settings = drawn.settings;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, settings));
-  const Task task = KAZ_TRY(task_of(options.task(), values));
-  const bool navigates = task.name == "navigate";
+  const auto judged = KAZ_TRY(options.judged_behavior());
+  const Task task = KAZ_TRY(task_of(judged, values));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   vision::ColorRange color;
@@ -177,12 +182,12 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
     color = KAZ_TRY(learned_ball_color(scenario, options.backend));
 
   Judge judge({.ball_radius_m = scenario.ball_radius_m,
-               .watches_touch = navigates,
+               .watches_touch = task.criterion == behavior::Criterion::at_goal,
                .lies = scenario.lies.has_value()});
   if (const Obstacle* moving = scenario.moving())
     judge.watch_way(*moving, scenario.name_of(*moving), scenario.world_from_start());
   // Beyond the edge of a table there is no floor: what the map has there is not compared.
-  if (navigates && scenario.layout.table.empty())
+  if (judged.evaluation.stage == behavior::Stage::course && scenario.layout.table.empty())
     judge.watch_map(scenario.layout.obstacles, scenario.world_from_start());
   RunOptions run_options;
   run_options.backend = options.backend;
@@ -213,9 +218,9 @@ Result<Json> run_episode(const CampaignOptions& options, std::uint64_t number,
   Ended ended = observer.end();
   if (!ran) ended.outcome = tl::unexpected(ended.outcome ? ran.error() : ended.outcome.error());
 
-  const EpisodeVerdict verdict =
-      ended.crashed ? EpisodeVerdict{.cause = "crashed", .judged = is_judged(task.name)}
-                    : verdict_of(task, ended.outcome, judge);
+  const EpisodeVerdict verdict = ended.crashed
+                                     ? EpisodeVerdict{.cause = "crashed", .judged = task.judged()}
+                                     : verdict_of(task, ended.outcome, judge);
   if (verdict.success) {
     KAZ_TRY(remove_run(kept));
   } else if (!ended.crashed) {

@@ -14,8 +14,8 @@
 
 namespace kaz::tools {
 
-// Scenario of an episode, and the options of its behavior. For navigate, the scenario includes a world to
-// walk in and a goal.
+// Scenario of an episode, and the options of its behavior. For Stage::course, the scenario includes a world
+// to walk in and a goal.
 struct DrawnEpisode {
   Scenario scenario;
   std::map<std::string, std::string> settings;

@@ -6,9 +6,10 @@
 #include <cmath>
 
 namespace kaz::tools {
-namespace {
 
-constexpr const char* kOfNavigate[] = {"--worlds", "--density", "--obstacles", "--goal-distance"};
+using behavior::Stage;
+
+namespace {
 
 using Kinds = std::vector<WorldKind>;
 
@@ -32,7 +33,7 @@ bool has_ball_at_distance(WorldKind kind) {
   return kind == WorldKind::clutter || kind == WorldKind::two_balls;
 }
 
-// Why an option of an evaluation of navigate has no effect; empty if it has.
+// Why an option of an evaluation on a course has no effect; empty if it has.
 std::string why_unused(const std::string& option, const CampaignOptions& options) {
   const Kinds& kinds = options.variation.worlds;
   const auto goal = options.settings.find("goal");
@@ -63,28 +64,38 @@ std::string why_unused(const std::string& option, const CampaignOptions& options
 
 }  // namespace
 
+std::string course_behaviors() {
+  std::string text;
+  for (const behavior::Behavior& one : behavior::behaviors())
+    if (one.evaluation.stage == Stage::course)
+      text += (text.empty() ? "" : ", ") + std::string(one.name);
+  return text;
+}
+
 Result<void> check_given(const CampaignOptions& options, const std::vector<std::string>& given) {
   const Interval& props = options.variation.props;
   if (props.min != std::floor(props.min) || props.max != std::floor(props.max))
     return fail(
         Fault::usage,
         "the minimum and the maximum of --props must be whole numbers, for example --props 3 10");
+  // The run reports an unknown behavior.
+  const auto judged = options.judged_behavior();
+  const Stage stage = judged ? judged->evaluation.stage : Stage::ball;
   for (const std::string& option : given) {
-    if (option == "--props" && (options.task() == "navigate" || options.task() == "get-up"))
+    if (option == "--props" && stage != Stage::ball)
       return fail(Fault::usage,
-                  "--props is not valid with " + options.task() + ": leave out --props" +
-                      std::string(options.task() == "navigate" ? ", or use --obstacles" : ""));
+                  "--props is not valid with " + std::string(judged->name) + ": leave out --props" +
+                      std::string(stage == Stage::course ? ", or use --obstacles" : ""));
     if (option == "--calibrated" && options.backend.sensors != sim::SensorSet::as_built)
       return fail(Fault::usage,
                   "--calibrated is only valid with --sensors as-built: give both, or leave out "
                   "--calibrated");
-    if (options.task() == "navigate") {
+    if (stage == Stage::course) {
       if (const std::string why = why_unused(option, options); !why.empty())
         return fail(Fault::usage, option + " " + why);
-    } else if (std::ranges::count(kOfNavigate, option) > 0) {
-      return fail(
-          Fault::usage,
-          option + " is only valid with navigate: leave the option out, or evaluate navigate");
+    } else if (std::ranges::count(kCourseOptions, option) > 0) {
+      return fail(Fault::usage, option + " is only valid with " + course_behaviors() +
+                                    ": leave the option out, or evaluate " + course_behaviors());
     }
   }
   return {};

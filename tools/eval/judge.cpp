@@ -12,6 +12,9 @@
 #include "tools/eval/scenario.h"
 
 namespace kaz::tools {
+
+using behavior::Criterion;
+
 namespace {
 
 constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
@@ -235,9 +238,13 @@ bool read_goal(const std::string& text, Task& task) {
   return true;
 }
 
+std::string not_held(const Judge& judge) {
+  return judge.held_s() >= kLasting_s ? "" : "not held";
+}
+
 // Where it went, against the goal; empty if it is there.
 std::string missed_goal(const Task& task, const Judge& judge) {
-  if (task.ball) return judge.held_s() < kLasting_s ? "not held" : "";
+  if (task.ball) return not_held(judge);
   const Eigen::Vector2d at(judge.forward_m(), judge.aside_m());
   if ((at - task.goal).norm() > kGoal_m) return "beside the goal";
   if (!task.goal_heading_rad) return {};
@@ -280,79 +287,69 @@ std::string missed_walk(const Task& task, const Judge& judge) {
   return std::abs(judge.heading_rad()) > kWalkHeading ? "heading" : "";
 }
 
-using Claim = Result<behavior::Outcome>;
-
-// What is not as the task wants it; empty: nothing.
-struct Criterion {
-  const char* task;
-  std::string (*lacks)(const Task& task, const Claim& claim, const Judge& judge);
-};
-std::string not_upright(const Task&, const Claim&, const Judge& judge) {
-  return judge.upright_s() >= kLasting_s ? "" : "not upright";
-}
-constexpr Criterion kCriteria[] = {
-    {"approach-ball", [](const Task&, const Claim&, const Judge& j) { return out_of_reach(j); }},
-    {"catch-ball",
-     [](const Task&, const Claim&, const Judge& j) {
-       return std::string(j.held_s() >= kLasting_s ? "" : "not held");
-     }},
-    {"get-up", not_upright},
-    {"go-forward", [](const Task& t, const Claim&, const Judge& j) { return missed_walk(t, j); }},
-    {"navigate", [](const Task& t, const Claim&, const Judge& j) { return missed_goal(t, j); }},
-    {"search-ball",
-     [](const Task&, const Claim& claim, const Judge& j) { return wrong_direction(claim, j); }},
-    {"stand", not_upright},
-    {"track-ball",
-     [](const Task& t, const Claim&, const Judge& j) {
-       return std::string(j.tracked(t.seconds) >= kTrackedShare ? "" : "off the ball");
-     }},
-    {"turn-left", [](const Task& t, const Claim&, const Judge& j) { return missed_turn(t, j); }},
-    {"turn-right", [](const Task& t, const Claim&, const Judge& j) { return missed_turn(t, j); }}};
-
-const Criterion* criterion_of(const std::string& task) {
-  const auto found = std::ranges::find(kCriteria, task, [](const Criterion& c) { return c.task; });
-  return found == std::end(kCriteria) ? nullptr : found;
+// Why ground truth does not meet the criterion; empty: it does.
+std::string unmet(const Task& task, const Result<behavior::Outcome>& claim, const Judge& judge) {
+  switch (task.criterion) {
+    case Criterion::claim:
+      return "";
+    case Criterion::ball_direction:
+      return wrong_direction(claim, judge);
+    case Criterion::ball_tracked:
+      return judge.tracked(task.seconds) >= kTrackedShare ? "" : "off the ball";
+    case Criterion::ball_in_reach:
+      return out_of_reach(judge);
+    case Criterion::ball_held:
+      return not_held(judge);
+    case Criterion::upright:
+      return judge.upright_s() >= kLasting_s ? "" : "not upright";
+    case Criterion::walked:
+      return missed_walk(task, judge);
+    case Criterion::turned_left:
+    case Criterion::turned_right:
+      return missed_turn(task, judge);
+    case Criterion::at_goal:
+      return missed_goal(task, judge);
+  }
+  return "";
 }
 
 }  // namespace
 
-bool is_judged(const std::string& task) {
-  return criterion_of(task) != nullptr;
-}
-
-Result<Task> task_of(const std::string& name, const behavior::OptionValues& options) {
-  Task task{.name = name};
+Result<Task> task_of(const behavior::Behavior& judged, const behavior::OptionValues& options) {
+  Task task{.criterion = judged.evaluation.criterion};
   try {
-    if (name == "go-forward") task.distance_m = options.number("distance");
-    if (name == "track-ball") task.seconds = options.number("seconds");
-    if (name == "turn-left") task.angle_rad = options.number("angle") * kDegree;
-    if (name == "turn-right") task.angle_rad = -options.number("angle") * kDegree;
-    if (name == "navigate" && !read_goal(options.choice("goal"), task))
+    if (task.criterion == Criterion::walked) task.distance_m = options.number("distance");
+    if (task.criterion == Criterion::ball_tracked) task.seconds = options.number("seconds");
+    if (task.criterion == Criterion::turned_left)
+      task.angle_rad = options.number("angle") * kDegree;
+    if (task.criterion == Criterion::turned_right)
+      task.angle_rad = -options.number("angle") * kDegree;
+    if (task.criterion == Criterion::at_goal && !read_goal(options.choice("goal"), task))
       return fail(Fault::usage, "goal '" + options.choice("goal") +
                                     "' cannot be judged: give X,Y or X,Y,DEGREES or ball");
   } catch (const std::out_of_range& lacking) {
-    return fail(Fault::usage, "the behavior cannot be judged as " + name + ": " + lacking.what());
+    return fail(Fault::usage, "the behavior cannot be judged as " + std::string(judged.name) +
+                                  ": " + lacking.what());
   }
   return task;
 }
 
 EpisodeVerdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome,
                           const Judge& judge) {
-  const Criterion* criterion = criterion_of(task.name);
-  EpisodeVerdict verdict{.judged = criterion != nullptr, .claim = outcome && outcome->success};
+  EpisodeVerdict verdict{.judged = task.judged(), .claim = outcome && outcome->success};
   const auto failed = [&verdict](const std::string& cause) {
     verdict.cause = cause;
     return verdict;
   };
-  if (task.name == "navigate" && !judge.touched().empty())
+  if (task.criterion == Criterion::at_goal && !judge.touched().empty())
     return failed(judge.was_hit() ? "hit by a moving box" : "touched");
-  if (judge.fell()) return failed(task.name == "get-up" ? "lies" : "fell");
+  if (judge.fell()) return failed(judge.lay() ? "lies" : "fell");
   if (!outcome) return failed("error");
   const std::string named = outcome->success         ? ""
                             : outcome->cause.empty() ? "gave up"
                                                      : outcome->cause;
   const std::string lacking =
-      named == "error" || !criterion ? named : criterion->lacks(task, outcome, judge);
+      named == "error" || !task.judged() ? named : unmet(task, outcome, judge);
   if (!lacking.empty()) return failed(named.empty() ? lacking : named);
   verdict.success = true;
   return verdict;

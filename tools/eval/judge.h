@@ -42,24 +42,23 @@ struct Truth {
   std::optional<std::int64_t> unconverged_steps = {};
 };
 
-// Goal of an episode: the options of its behavior that the judge needs.
+// Goal of an episode: the criterion of its behavior, and the options that the criterion needs.
 struct Task {
-  // Name of a built-in behavior. For any other task the claim of the behavior decides success, unless the
-  // robot falls.
-  std::string name;
-  double distance_m = 0;  // option `distance` of go-forward
-  double angle_rad = 0;   // for turn-left and turn-right; positive to the left
-  double seconds = 0;     // option `seconds` of track-ball
-  bool ball = false;      // for navigate: the robot must hold the ball
-  // For navigate without ball: goal in m in the frame of the start, x ahead.
+  behavior::Criterion criterion = behavior::Criterion::claim;
+  double distance_m = 0;  // for walked
+  double angle_rad = 0;   // for turned_left and turned_right; positive to the left
+  double seconds = 0;     // for ball_tracked
+  bool ball = false;      // for at_goal: the robot must hold the ball
+  // For at_goal without ball: goal in m in the frame of the start, x ahead.
   Eigen::Vector2d goal{0, 0};
   std::optional<double> goal_heading_rad = {};
+
+  // Returns whether ground truth decides success.
+  bool judged() const { return criterion != behavior::Criterion::claim; }
 };
-// Fails (usage) if a plug-in that is judged as `name` lacks an option that the judge needs.
-Result<Task> task_of(const std::string& name, const behavior::OptionValues& options);
-// Returns whether ground truth decides success of this task. This is true for the names of built-in
-// behaviors.
-bool is_judged(const std::string& task);
+// Returns the task of a behavior that is judged as `judged`. Fails (usage) if `options` lacks an option that
+// the criterion needs.
+Result<Task> task_of(const behavior::Behavior& judged, const behavior::OptionValues& options);
 
 struct JudgeOptions {
   double ball_radius_m = 0.020;
@@ -96,6 +95,8 @@ class Judge final : public RunObserver {
   // Returns the name of the first object on the floor that the robot touched before a fall; "" if there was
   // no touch.
   const std::string& touched() const { return touch_.thing; }
+  // Returns whether the robot lay on the floor at the start.
+  bool lay() const { return options_.lies; }
   // Returns whether the first touched object was still sliding into the robot's way at the time of the touch.
   // In this case the object hit the robot.
   bool was_hit() const { return was_hit_; }
@@ -150,30 +151,30 @@ class Judge final : public RunObserver {
 struct EpisodeVerdict {
   bool success = false;
   std::string cause = {};  // reason of the failure; empty for a success
-  // True: ground truth decided. False: the task is unknown, so the claim decided unless the robot fell.
+  // True: ground truth decided. False: the criterion is `claim`, so the claim decided unless it fell.
   bool judged = true;
   bool claim = false;  // whether the behavior claims success
 };
 // Decides by ground truth. A robot that fell has failed. Otherwise success requires:
-// - search-ball: the reported direction is within 5 degrees of the true direction of the ball. The reported
-//   direction consists of `ball_bearing_deg` (positive to the left) and `ball_elevation_deg` (positive up),
-//   from the left eye, in the trunk's axes.
-// - track-ball: the left eye's axis is within 3 degrees of the ball for 90 % of the last seconds. The option
-//   `seconds` sets this time.
-// - approach-ball: the ball is within reach of a hand, 100 +- 26 mm ahead of the ankles and 47 +- 27 mm to
+// - claim: the behavior claims success.
+// - ball_direction: the reported direction is within 5 degrees of the true direction of the ball. The
+//   reported direction consists of `ball_bearing_deg` (positive to the left) and `ball_elevation_deg`
+//   (positive up), from the left eye, in the trunk's axes.
+// - ball_tracked: the left eye's axis is within 3 degrees of the ball for 90 % of the last seconds. The
+//   option `seconds` sets this time.
+// - ball_in_reach: the ball is within reach of a hand, 100 +- 26 mm ahead of the ankles and 47 +- 27 mm to
 //   the side.
-// - catch-ball: the ball is clear of the floor for the last 3 s.
-// - stand, get-up: the trunk is upright, and high enough (upright_s()), for the last 3 s.
-// - go-forward: the distance along the first heading is within 10 % of the option `distance`. The final
+// - ball_held: the ball is clear of the floor for the last 3 s.
+// - upright: the trunk is upright, and high enough (upright_s()), for the last 3 s.
+// - walked: the distance along the first heading is within 10 % of the option `distance`. The final
 //   heading is within 8 degrees of the first heading.
-// - turn-left, turn-right: the turned angle is within 6 degrees of the option `angle`.
-// - navigate: no obstacle was touched, and no sliding object hit the robot. The robot is within 5 cm of the
+// - turned_left, turned_right: the turned angle is within 6 degrees of the option `angle`.
+// - at_goal: no obstacle was touched, and no sliding object hit the robot. The robot is within 5 cm of the
 //   goal. If the goal has a heading, the robot's heading is within 10 degrees of the goal's heading. If the
-//   ball is the goal, the ball is held as for catch-ball.
+//   ball is the goal, the ball is held as for ball_held.
 // A behavior that ended with an error has failed. If the robot fell or touched an obstacle, the fall or the
 // touch is the cause of the failure. Otherwise, the cause that the behavior reports is used. If the behavior
-// claims success, the cause is the unmet criterion. For tasks that are not listed, the behavior's claim
-// decides.
+// claims success, the cause is the unmet criterion.
 EpisodeVerdict verdict_of(const Task& task, const Result<behavior::Outcome>& outcome,
                           const Judge& judge);
 

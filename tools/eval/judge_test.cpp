@@ -13,6 +13,8 @@
 namespace kaz::tools {
 namespace {
 
+using behavior::Criterion;
+
 const behavior::Outcome kClaims{true, "done", {}, {}};
 const behavior::Outcome kAdmits{false, "not done", {}, "not reached"};
 
@@ -67,7 +69,7 @@ TEST(Judge, CountsAWalkFromTheFirstRiseOfAnAnkle) {
 }
 
 TEST(Judge, OfACatchIsTheBallInTheLastThreeSeconds) {
-  const Task task{.name = "catch-ball"};
+  const Task task{.criterion = Criterion::ball_held};
   const auto lifted = [](double from_s, double to_s) {
     return [=](double t, Truth& truth) {
       if (t > from_s && t < to_s) truth.ball->z() = 0.06;
@@ -84,7 +86,7 @@ TEST(Judge, OfACatchIsTheBallInTheLastThreeSeconds) {
 }
 
 TEST(Judge, OfATrackIsTheEyesAxisForNineTenthsOfTheTime) {
-  const Task task{.name = "track-ball", .seconds = 10};
+  const Task task{.criterion = Criterion::ball_tracked, .seconds = 10};
   const auto on_ball = [](double until_s) {
     return [=](double t, Truth& truth) {
       const double off = (t < until_s ? 2.9 : 3.1) * kDegree;
@@ -96,7 +98,7 @@ TEST(Judge, OfATrackIsTheEyesAxisForNineTenthsOfTheTime) {
 }
 
 TEST(Judge, OfASearchIsTheReportedDirection) {
-  const Task task{.name = "search-ball"};
+  const Task task{.criterion = Criterion::ball_direction};
   const Truth truth = standing(0);
   const Eigen::Vector3d ray = *truth.ball - truth.left_eye->translation();
   const double bearing = std::atan2(ray.y(), ray.x()) / kDegree;
@@ -114,7 +116,7 @@ TEST(Judge, OfASearchIsTheReportedDirection) {
 }
 
 TEST(Judge, OfAnApproachIsTheBallBeforeAHand) {
-  const Task task{.name = "approach-ball"};
+  const Task task{.criterion = Criterion::ball_in_reach};
   const auto ball_at = [&](double x, double y) {
     return judged(task, 1, [=](double, Truth& truth) {
       // Wherever the robot stands and looks to.
@@ -132,26 +134,24 @@ TEST(Judge, OfAnApproachIsTheBallBeforeAHand) {
 }
 
 TEST(Judge, OfStandingAndGettingUpIsTheTrunkUprightAndHigh) {
-  for (const char* name : {"stand", "get-up"}) {
-    const auto pose = [&](double pitch_deg, double height_m, double from_s) {
-      return judged({.name = name}, 6,
-                    [=](double t, Truth& truth) {
-                      truth.trunk = t < from_s ? at(0, 0, 0.05, 0, 80 * kDegree)
-                                               : at(0, 0, height_m, 0, pitch_deg * kDegree);
-                    },
-                    kClaims, {.lies = true});
-    };
-    EXPECT_TRUE(pose(25, 0.14, 2.95).success) << name;
-    EXPECT_FALSE(pose(25, 0.14, 3.15).success) << name;
-    EXPECT_FALSE(pose(35, 0.14, 1).success) << name;
-    EXPECT_FALSE(pose(0, 0.07, 1).success) << name << ": it sits";
-    EXPECT_FALSE(pose(0, 0.07, 9).success) << name << ": it lies";
-  }
+  const auto pose = [](double pitch_deg, double height_m, double from_s) {
+    return judged({.criterion = Criterion::upright}, 6,
+                  [=](double t, Truth& truth) {
+                    truth.trunk = t < from_s ? at(0, 0, 0.05, 0, 80 * kDegree)
+                                             : at(0, 0, height_m, 0, pitch_deg * kDegree);
+                  },
+                  kClaims, {.lies = true});
+  };
+  EXPECT_TRUE(pose(25, 0.14, 2.95).success);
+  EXPECT_FALSE(pose(25, 0.14, 3.15).success);
+  EXPECT_FALSE(pose(35, 0.14, 1).success);
+  EXPECT_FALSE(pose(0, 0.07, 1).success) << "it sits";
+  EXPECT_EQ(pose(0, 0.07, 9).cause, "lies");
 }
 
 TEST(Judge, OfAFallIsTheTrunk) {
   const auto leaning = [](double deg) {
-    return judged({.name = "catch-ball"}, 5, [=](double t, Truth& truth) {
+    return judged({.criterion = Criterion::ball_held}, 5, [=](double t, Truth& truth) {
       truth.ball->z() = 0.1;
       if (t < 0.5) truth.trunk = at(0, 0, 0.1, 0, deg * kDegree);
     });
@@ -166,25 +166,31 @@ TEST(Judge, OfAWalkAndATurnIsTheTrunksWay) {
       truth.trunk = at(t * x, t * y, 0.14, t * yaw_deg * kDegree);
     });
   };
-  EXPECT_TRUE(moved({.name = "go-forward", .distance_m = 1}, 0.91, 0, 7).success);
-  EXPECT_EQ(moved({.name = "go-forward", .distance_m = 1}, 0.89, 0, 0).cause, "distance");
-  EXPECT_EQ(moved({.name = "go-forward", .distance_m = -1}, 1, 0, 0).cause, "distance");
-  EXPECT_EQ(moved({.name = "go-forward", .distance_m = 1}, 1, 0, 9).cause, "heading");
-  EXPECT_TRUE(moved({.name = "turn-right", .angle_rad = -90 * kDegree}, 0, 0, -95).success);
-  EXPECT_EQ(moved({.name = "turn-right", .angle_rad = -90 * kDegree}, 0, 0, -97).cause, "heading");
-  EXPECT_TRUE(moved({.name = "navigate", .goal = {1, 0.5}}, 1.03, 0.47, 0).success);
-  EXPECT_EQ(moved({.name = "navigate", .goal = {1, 0.5}}, 1.05, 0.55, 0).cause, "beside the goal");
+  EXPECT_TRUE(moved({.criterion = Criterion::walked, .distance_m = 1}, 0.91, 0, 7).success);
+  EXPECT_EQ(moved({.criterion = Criterion::walked, .distance_m = 1}, 0.89, 0, 0).cause, "distance");
+  EXPECT_EQ(moved({.criterion = Criterion::walked, .distance_m = -1}, 1, 0, 0).cause, "distance");
+  EXPECT_EQ(moved({.criterion = Criterion::walked, .distance_m = 1}, 1, 0, 9).cause, "heading");
+  EXPECT_TRUE(
+      moved({.criterion = Criterion::turned_right, .angle_rad = -90 * kDegree}, 0, 0, -95).success);
+  EXPECT_EQ(
+      moved({.criterion = Criterion::turned_right, .angle_rad = -90 * kDegree}, 0, 0, -97).cause,
+      "heading");
+  EXPECT_TRUE(moved({.criterion = Criterion::at_goal, .goal = {1, 0.5}}, 1.03, 0.47, 0).success);
+  EXPECT_EQ(moved({.criterion = Criterion::at_goal, .goal = {1, 0.5}}, 1.05, 0.55, 0).cause,
+            "beside the goal");
 }
 
 TEST(Judge, BelievesNoErrorAndNoUnknownTask) {
   Judge judge({});
   judge.look(standing(0));
   judge.look(standing(5));
-  EXPECT_EQ(verdict_of({.name = "stand"}, fail(Fault::failed, "broken"), judge).cause, "error");
-  EXPECT_TRUE(verdict_of({.name = "stand"}, kClaims, judge).judged);
-  const EpisodeVerdict unknown = verdict_of({.name = "./wave.so"}, kClaims, judge);
+  EXPECT_EQ(
+      verdict_of({.criterion = Criterion::upright}, fail(Fault::failed, "broken"), judge).cause,
+      "error");
+  EXPECT_TRUE(verdict_of({.criterion = Criterion::upright}, kClaims, judge).judged);
+  const EpisodeVerdict unknown = verdict_of({}, kClaims, judge);
   EXPECT_TRUE(unknown.success && !unknown.judged);
-  EXPECT_EQ(verdict_of({.name = "./wave.so"}, kAdmits, judge).cause, "not reached");
+  EXPECT_EQ(verdict_of({}, kAdmits, judge).cause, "not reached");
 }
 
 // A behavior of Kaz without a judge would be believed.
@@ -192,14 +198,14 @@ TEST(Judge, KnowsEachOfKazsBehaviors) {
   for (const auto& one : behavior::behaviors()) {
     // These two do what somebody wants of them: there is no measure of that.
     const bool measured = one.name != "play" && one.name != "pose";
-    EXPECT_EQ(is_judged(std::string(one.name)), measured) << one.name;
+    EXPECT_EQ(one.evaluation.criterion != Criterion::claim, measured) << one.name;
     const auto defaults = behavior::OptionValues::parse(one.options, {});
     ASSERT_TRUE(defaults);
     if (one.name != "navigate") {
-      EXPECT_TRUE(task_of(std::string(one.name), *defaults)) << one.name;
+      EXPECT_TRUE(task_of(one, *defaults)) << one.name;
     }
   }
-  const auto none = task_of("go-forward", behavior::OptionValues());
+  const auto none = task_of(behavior::kGoForward, behavior::OptionValues());
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message.find("distance"), std::string::npos) << none.error().message;
 }

@@ -311,7 +311,8 @@ Result<Json> run_realtime_episode(const CampaignOptions& options, std::uint64_t 
   const auto drawn = KAZ_TRY(draw_episode(options, number));
   const Scenario& scenario = drawn.scenario;
   const auto values = KAZ_TRY(behavior::OptionValues::parse(known.options, drawn.settings));
-  const Task task = KAZ_TRY(task_of(options.task(), values));
+  const auto judged = KAZ_TRY(options.judged_behavior());
+  const Task task = KAZ_TRY(task_of(judged, values));
   const auto robot = KAZ_TRY(data_file("robot/kaz/kaz.urdf"));
   const auto files = KAZ_TRY(scenario_files(scenario, fs::path(robot).parent_path().string()));
   char name[32];

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,11 +21,6 @@ class RecordingTap;
 namespace kaz::tools {
 
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
-
-// Returns the default world of a behavior, which contains the objects that the behavior needs.
-inline const char* usual_world(std::string_view behavior) {
-  return behavior == "catch-ball" ? "catch" : behavior == "navigate" ? "boxes" : "ball";
-}
 
 struct BackendOptions {
   // "sim", a port (parse_port_address()), a servo bus (parse_bus()), or boards:FILE.

@@ -2,36 +2,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/run/moments.h"
 
+#include <algorithm>
+
 namespace kaz::tools {
 
-std::optional<std::string> Moments::on_phase(double at_s, std::string_view behavior,
+using behavior::Milestone;
+
+std::optional<std::string> Moments::on_phase(double at_s, std::span<const Milestone> milestones,
                                              std::string_view phase) {
   std::optional<std::string> shown;
-  if (due_ != nullptr) shown = due_->shown;  // it was shorter than that
+  if (due_ != nullptr) shown = due_->name;  // it was shorter than that
   due_ = nullptr;
   if (phase == "track" && phase_ != "track" && tracked_ == 0) track_s_ = at_s;
   phase_ = phase;
   began_s_ = at_s;
-  catching_ = behavior == "catch-ball";
-  for (Awaited& one : caught_) {
-    if (!catching_ || one.phase != phase || one.taken) continue;
-    one.taken = true;
-    due_ = &one;
-    if (one.after_s == 0 && !shown) {
-      shown = one.shown;
-      due_ = nullptr;
-    }
+  has_milestones_ = !milestones.empty();
+  const auto found = std::ranges::find(milestones, phase, &Milestone::phase);
+  if (found == milestones.end() || std::ranges::count(begun_, &*found) > 0) return shown;
+  begun_.push_back(&*found);
+  due_ = &*found;
+  if (due_->after_s == 0 && !shown) {
+    shown = due_->name;
+    due_ = nullptr;
   }
   return shown;
 }
 
 std::optional<std::string> Moments::on_cycle(double at_s) {
   if (due_ != nullptr && at_s >= began_s_ + due_->after_s) {
-    const std::string shown(due_->shown);
+    const std::string shown(due_->name);
     due_ = nullptr;
     return shown;
   }
-  if (catching_ || phase_ != "track" || tracked_ == kTracked) return std::nullopt;
+  if (has_milestones_ || phase_ != "track" || tracked_ == kTracked) return std::nullopt;
   if (at_s < track_s_ + 0.4 + (expected_s_ - 0.4) * tracked_ / kTracked) return std::nullopt;
   ++tracked_;
   return "";

@@ -2,16 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "host/behavior/behavior.h"
 
 namespace kaz::tools {
 
-// catch-ball has five moments: searching, tracking, approaching, the hand at the ball, the ball held. Other
-// behaviors with a phase `track` have four moments, spread evenly over the expected time. All times are in s
-// of robot time since the start.
+// Moments are the milestones of a behavior. For a behavior without milestones, the phase `track` has four
+// moments, spread evenly over the expected time. All times are in s of robot time since the start.
 class Moments {
  public:
   explicit Moments(double expected_s) : expected_s_(expected_s) {}
@@ -19,34 +21,22 @@ class Moments {
   Moments& operator=(const Moments&) = delete;
 
   // Call on_phase() when a phase begins, and on_cycle() at each control cycle. If a picture is due, the
-  // functions return the name of the picture's moment, else nullopt. The moments of the phase `track` have an
-  // empty name, except in catch-ball.
-  std::optional<std::string> on_phase(double at_s, std::string_view behavior,
+  // functions return the name of the picture's moment, else nullopt. The four moments of the phase `track`
+  // have an empty name. `milestones`: those of the behavior that reports the phase; must outlive this object.
+  std::optional<std::string> on_phase(double at_s, std::span<const behavior::Milestone> milestones,
                                       std::string_view phase);
   std::optional<std::string> on_cycle(double at_s);
 
  private:
   static constexpr int kTracked = 4;
-  struct Awaited {
-    std::string_view phase, shown;
-    // Time from the start of the phase to the moment; if the phase ends earlier, the moment is its end.
-    double after_s;
-    bool taken = false;
-  };
 
   double expected_s_;
   std::string phase_;
   double began_s_ = 0, track_s_ = 0;
   int tracked_ = 0;
-  bool catching_ = false;
-  Awaited* due_ = nullptr;
-  // Reasons for the times: after 5 s of walking, the robot is 0.2 m nearer to the ball. After 1.2 s of
-  // holding, the head has turned to the hand.
-  std::array<Awaited, 5> caught_{{{"search", "search", 0.5},
-                                  {"look", "track", 0.4},
-                                  {"walk", "approach", 5},
-                                  {"close", "catch", 0},
-                                  {"hold", "hold", 1.2}}};
+  bool has_milestones_ = false;
+  const behavior::Milestone* due_ = nullptr;
+  std::vector<const behavior::Milestone*> begun_;  // milestones whose phase has begun
 };
 
 }  // namespace kaz::tools

@@ -7,10 +7,12 @@
 namespace kaz::tools {
 
 RunRecorder::RunRecorder(SessionBackend& backend, RunObserver& observer, Snapshots& snapshots,
-                         const std::string& label, bool quiet, double expected_s)
+                         const behavior::Behavior& behavior, const std::string& label, bool quiet,
+                         double expected_s)
     : backend_(backend),
       observer_(observer),
       snapshots_(snapshots),
+      behavior_(behavior),
       progress_(label, quiet),
       start_(backend.clock().now()),
       moments_(expected_s) {
@@ -23,8 +25,14 @@ void RunRecorder::phase(Time time, std::string_view behavior, std::string_view p
   phase_ = phase;
   record({{"behavior", behavior}, {"phase", phase}});
   progress_.announce(seconds(time - start_), phase_);
-  if (const auto shown = moments_.on_phase(seconds(time - start_), behavior, phase))
+  if (const auto shown = moments_.on_phase(seconds(time - start_), milestones_of(behavior), phase))
     snapshots_.take(time, *shown);
+}
+
+std::span<const behavior::Milestone> RunRecorder::milestones_of(std::string_view name) const {
+  if (name == behavior_.name) return behavior_.milestones;
+  const auto known = behavior::find_behavior(name);
+  return known ? known->milestones : std::span<const behavior::Milestone>();
 }
 
 void RunRecorder::cycle(const behavior::CycleRow& row) {

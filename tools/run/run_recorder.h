@@ -3,10 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "host/behavior/behavior.h"
 #include "host/behavior/sink.h"
 #include "tools/base/output.h"
 #include "tools/drawing/figure.h"
@@ -22,9 +25,10 @@ namespace kaz::tools {
 // prints progress. Passes all reports on to the run's observer.
 class RunRecorder final : public behavior::Sink {
  public:
-  // Begins a run now, in which the behavior works for `expected_s`. The references must outlive this object.
+  // Begins a run now, in which `behavior` works for `expected_s`. The references must outlive this object.
   RunRecorder(SessionBackend& backend, RunObserver& observer, Snapshots& snapshots,
-              const std::string& label, bool quiet, double expected_s);
+              const behavior::Behavior& behavior, const std::string& label, bool quiet,
+              double expected_s);
 
   void phase(Time time, std::string_view behavior, std::string_view phase) override;
   void cycle(const behavior::CycleRow& row) override;
@@ -44,10 +48,13 @@ class RunRecorder final : public behavior::Sink {
 
  private:
   void record(const nlohmann::ordered_json& value);
+  // Returns the milestones of the running behavior, or of a built-in behavior that it calls.
+  std::span<const behavior::Milestone> milestones_of(std::string_view name) const;
 
   SessionBackend& backend_;
   RunObserver& observer_;
   Snapshots& snapshots_;
+  const behavior::Behavior& behavior_;
   Progress progress_;
   Time start_;
   std::string phase_;

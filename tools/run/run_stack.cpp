@@ -18,7 +18,7 @@ Result<std::unique_ptr<RunStack>> RunStack::open(const RunPlan& plan, RunObserve
     return tl::unexpected(lost(*stack, RunEnd{}, begun.error()));
   }
   stack->recorder =
-      std::make_unique<RunRecorder>(backend, observer, stack->eyes->snapshots(),
+      std::make_unique<RunRecorder>(backend, observer, stack->eyes->snapshots(), plan.behavior(),
                                     plan.options().label, plan.options().json, plan.expected_s());
   if (const auto* simulation = backend.simulation()) stack->start_pose = simulation->world().pose();
   return stack;

@@ -68,9 +68,9 @@ TEST(Score, IsAbsentWhereTheBallWasNeverTracked) {
 
 TEST(Moments, AreFourOfTrackingSpreadOverTheExpectedTime) {
   Moments moments(4.4);
-  EXPECT_FALSE(moments.on_phase(0, "track-ball", "search"));
+  EXPECT_FALSE(moments.on_phase(0, {}, "search"));
   EXPECT_FALSE(moments.on_cycle(0.5)) << "still searching";
-  EXPECT_FALSE(moments.on_phase(1, "track-ball", "track"));
+  EXPECT_FALSE(moments.on_phase(1, {}, "track"));
   std::vector<double> taken;
   for (int k = 0; k < 1000; ++k) {
     const double at_s = 1 + 0.01 * k;
@@ -83,16 +83,16 @@ TEST(Moments, AreFourOfTrackingSpreadOverTheExpectedTime) {
 
 TEST(Moments, OfCatchingAreOneForEachPhase) {
   Moments moments(30);
-  EXPECT_FALSE(moments.on_phase(0, "catch-ball", "search"));
+  EXPECT_FALSE(moments.on_phase(0, behavior::kCatchBall.milestones, "search"));
   EXPECT_FALSE(moments.on_cycle(0.49));
   EXPECT_EQ(moments.on_cycle(0.51), "search");
   EXPECT_FALSE(moments.on_cycle(0.6)) << "once";
-  EXPECT_FALSE(moments.on_phase(1, "catch-ball", "look"));
+  EXPECT_FALSE(moments.on_phase(1, behavior::kCatchBall.milestones, "look"));
   // Shorter than the 0.4 s at which its picture is due: taken at its end.
-  EXPECT_EQ(moments.on_phase(1.2, "catch-ball", "walk"), "track");
+  EXPECT_EQ(moments.on_phase(1.2, behavior::kCatchBall.milestones, "walk"), "track");
   EXPECT_EQ(moments.on_cycle(6.3), "approach");
-  EXPECT_EQ(moments.on_phase(7, "catch-ball", "close"), "catch");
-  EXPECT_FALSE(moments.on_phase(8, "catch-ball", "walk")) << "each phase once";
+  EXPECT_EQ(moments.on_phase(7, behavior::kCatchBall.milestones, "close"), "catch");
+  EXPECT_FALSE(moments.on_phase(8, behavior::kCatchBall.milestones, "walk")) << "each phase once";
   EXPECT_FALSE(moments.on_cycle(20));
 }
 
