@@ -15,7 +15,7 @@ namespace kaz::tools {
 using Action = std::function<Result<ExitStatus>()>;
 
 // Declares add_NAME for each verb. The file verb_NAME.cpp defines this function.
-#define KAZ_VERB(name, interrupt) void add_##name(CLI::App& program, Action& action);
+#define KAZ_VERB(name) void add_##name(CLI::App& program, Action& action);
 #include "tools/cli/verbs.def"
 #undef KAZ_VERB
 
