@@ -2,39 +2,71 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python/src/arguments.h"
 
-#include "sim/board/sensor_file.h"
-#include "sim/runtime/simulation/step_ratio.h"
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <sstream>
+#include <vector>
 
 namespace kaz::python {
+namespace {
+
+// Archive (robot_options.h) that takes the options from keyword arguments.
+class KeywordArguments {
+ public:
+  explicit KeywordArguments(py::dict& from) : from_(from) {}
+
+  template <class T, std::size_t N>
+  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+    value = named(text.name, path(text.name, to_string(value)), values);
+  }
+  void flag(const sim::OptionText& text, bool& value) {
+    value = take<bool>(from_, text.name, value);
+  }
+  void line(const sim::OptionText& text, std::string& value) {
+    if (text.option != nullptr) value = path(text.name, value);
+  }
+  void lines(const sim::OptionText&, std::vector<std::string>&) {}
+  void number(const sim::OptionText& text, double& value) {
+    value = take<double>(from_, text.name, value);
+  }
+  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
+    number(text, value);
+    if (value >= range.min && value <= range.max) return;
+    std::ostringstream error;
+    error << text.name << ": must be " << range.min << " to " << range.max << " " << range.unit;
+    raise({Fault::usage, error.str()});
+  }
+  void whole(const sim::OptionText& text, std::uint64_t& value) {
+    value = take<std::uint64_t>(from_, text.name, value);
+  }
+  template <std::size_t N>
+  void size(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
+    value = take<int>(from_, text.name, value);
+    if (value == 0 || std::ranges::find(sizes, value) != sizes.end()) return;
+    std::string valid;
+    for (const int one : sizes) valid += (valid.empty() ? "" : " or ") + std::to_string(one);
+    raise({Fault::usage,
+           std::string(text.name) + " " + std::to_string(value) + ": must be " + valid});
+  }
+  // Returns a text argument, which may also be a path object, or `otherwise` if the argument is missing.
+  std::string path(const char* name, const std::string& otherwise) {
+    if (from_.contains(name) && py::hasattr(from_[name], "__fspath__"))
+      from_[name] = from_[name].attr("__fspath__")();
+    return take<std::string>(from_, name, otherwise);
+  }
+
+ private:
+  py::dict& from_;
+};
+
+}  // namespace
 
 tools::BackendOptions take_world_arguments(py::dict& arguments) {
   tools::BackendOptions options;
-  const auto text = [&](const char* name, const std::string& otherwise) {
-    if (arguments.contains(name) && py::hasattr(arguments[name], "__fspath__"))
-      arguments[name] = arguments[name].attr("__fspath__")();
-    return take<std::string>(arguments, name, otherwise);
-  };
-  options.world = text("world", options.world);
-  options.robot_file = text("robot_file", "");
-  options.mcu = named("mcu", text("mcu", to_string(options.mcu)), sim::kMcuKinds);
-  options.image = text("image", "");
-  options.seed = take<std::uint64_t>(arguments, "seed", options.seed);
-  options.eyes = named("eyes", text("eyes", to_string(options.eyes)), sim::kEyeKinds);
-  options.eye_width = take<int>(arguments, "eye_width", 0);
-  if (options.eye_width != 0 && options.eye_width != 320 && options.eye_width != 640)
-    raise(
-        {Fault::usage, "eye_width " + std::to_string(options.eye_width) + ": must be 320 or 640"});
-  options.renderer =
-      named("renderer", text("renderer", to_string(options.renderer)), sim::kRendererKinds);
-  options.sensors = named("sensors", text("sensors", to_string(options.sensors)), sim::kSensorSets);
-  options.dynamics = text("dynamics", options.dynamics);
-  options.physics_step_ms = take<double>(arguments, "physics_step_ms", options.physics_step_ms);
-  options.supply_volts = take<double>(arguments, "supply_volts", options.supply_volts);
-  if (!(options.supply_volts >= tools::kMinSupply_v && options.supply_volts <= tools::kMaxSupply_v))
-    raise({Fault::usage, "supply_volts: must be 1 to 20 V"});
-  options.suspended = take<bool>(arguments, "suspended", false);
-  options.imu = take<bool>(arguments, "imu", false);
-  options.faults = text("faults", "");
+  KeywordArguments keywords(arguments);
+  options.visit(keywords);
+  options.faults = keywords.path("faults", "");
   return options;
 }
 

@@ -9,9 +9,8 @@
 
 namespace kaz::python {
 
-// Removes the known options from `arguments`: world, robot_file, mcu, image, seed, eyes, eye_width, renderer,
-// sensors, dynamics, physics_step_ms, supply_volts, suspended, imu, faults (a file). Raises UsageError for an
-// invalid value.
+// Removes the known options from `arguments`: those of BackendOptions::visit() that the command line has, and
+// faults (a file). Raises UsageError for an invalid value.
 tools::BackendOptions take_world_arguments(py::dict& arguments);
 // Raises UsageError if `arguments` is not empty.
 void nothing_left(const std::string& function, const py::dict& arguments);

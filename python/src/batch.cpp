@@ -150,18 +150,15 @@ Result<std::unique_ptr<Batch>> Batch::create(BatchOptions options) {
                 "VectorEnv: the robot must have " + std::to_string(kJoints) + " joints");
   batch->has_ball_ = batch->prototype_->object_position("ball").has_value();
   batch->camera_ = KAZ_TRY(sim::CameraFile::load(files.camera_path));
-  batch->camera_.ideal = files.eyes == sim::EyeKind::ideal;
-  if (files.eye_width > 0) {
-    batch->camera_.eye.width = files.eye_width;
-    batch->camera_.eye.height = files.eye_width * 3 / 4;
-  }
+  sim::set_eyes(batch->camera_, files);
   if (batch->options_.pictures) {
     if (batch->options_.engine == Engine::none)
       return fail(Fault::usage, "pictures: the engine must be native or h8");
     if (batch->prototype_->head_frame() < 0 || files.eyes == sim::EyeKind::none)
       return tl::unexpected(sim::Simulation::no_eyes());
-    batch->renderers_ = std::make_unique<Renderers>(batch->prototype_->scene(), files.renderer);
-    files.renderer = batch->renderers_->shared();
+    batch->renderers_ =
+        std::make_unique<Renderers>(batch->prototype_->scene(), sim::maker_of(files.renderer));
+    files.make_renderer = batch->renderers_->shared();
     files.drawing = sim::Drawing::caller;
   }
   const auto count = static_cast<std::size_t>(batch->options_.robots);
@@ -204,7 +201,8 @@ Result<void> Batch::prepare() {
     return {};
   }
   sim::SimulationOptions options = options_.simulation;
-  options.sensors.pot_as_built = false;  // of no robot in particular
+  if (options.sensors == sim::SensorSet::as_built)
+    options.sensors = sim::SensorSet::nominal;  // without the errors of an individual robot
   const auto simulation = KAZ_TRY(assemble(options));
   lockstep::LockstepClock clock(*simulation);
   lockstep::LockstepLink link(*simulation);
@@ -248,7 +246,7 @@ Result<void> Batch::reset_one(std::size_t i, std::uint64_t seed) {
   robot->inertial = {};
   if (!robot->simulation) robot->simulation = KAZ_TRY(assemble(options_.simulation));
   KAZ_TRY(robot->simulation->begin(start_, seed));
-  if (options_.simulation.sensors.pot_as_built)
+  if (options_.simulation.sensors == sim::SensorSet::as_built)
     KAZ_TRY(period(*robot, options_.posture, options_.settle_ms));
   robot->pictures = nullptr;
   KAZ_TRY(period(*robot, options_.posture, options_.period_ms));

@@ -40,6 +40,8 @@ std::unique_ptr<Robots> make(const py::kwargs& given) {
   nothing_left("Batch", arguments);
 
   sim::SimulationOptions& simulation = options.simulation;
+  simulation = sim::SimulationOptions(backend);
+  simulation.seed = sim::RobotOptions{}.seed;  // seed of the common start
   simulation.world_path = value_of(tools::world_file(backend.world));
   simulation.robot_path = backend.robot_file.empty()
                               ? value_of(tools::data_file("robot/kaz/kaz.urdf"))
@@ -47,14 +49,6 @@ std::unique_ptr<Robots> make(const py::kwargs& given) {
   simulation.camera_path = value_of(tools::data_file("robot/kaz/camera.json"));
   if (options.engine == Engine::h8)
     simulation.image_path = value_of(tools::firmware_image(backend.image));
-  simulation.eyes = backend.eyes;
-  simulation.eye_width = backend.eye_width;
-  simulation.renderer = sim::maker_of(backend.renderer);
-  simulation.dynamics = backend.dynamics;
-  simulation.physics_step_ms = backend.physics_step_ms;
-  simulation.sensors = sim::sensor_switches(backend.sensors);
-  simulation.imu = backend.imu;
-  simulation.supply_volts = backend.supply_volts;
   return std::make_unique<Robots>("this Batch",
                                   value_of(released([&] { return Batch::create(options); })));
 }

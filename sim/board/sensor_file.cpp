@@ -122,13 +122,6 @@ SensorSwitches sensor_switches(SensorSet set) {
   return {};
 }
 
-std::string name_of(const SensorSwitches& sensors) {
-  for (const SensorSet set : kSensorSets) {
-    if (sensor_switches(set) == sensors) return to_string(set);
-  }
-  return "mixed";
-}
-
 Result<SensorParams> load_sensor_file(const std::string& path) {
   const Result<XmlFile> file = XmlFile::load(path, "sensors");
   if (!file) return tl::unexpected(file.error());

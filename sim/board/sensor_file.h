@@ -81,8 +81,6 @@ constexpr const char* to_string(SensorSet set) {
 }
 
 SensorSwitches sensor_switches(SensorSet set);
-// Returns the name of the set with these switches, or "mixed".
-std::string name_of(const SensorSwitches& sensors);
 
 // Loads a sensor file, which must contain every parameter. An error message names file and line.
 Result<SensorParams> load_sensor_file(const std::string& path);

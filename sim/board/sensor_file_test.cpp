@@ -81,15 +81,9 @@ TEST(SensorFile, SaysWhatIsMissing) {
 TEST(Switches, HaveNames) {
   EXPECT_EQ(sensor_switches(SensorSet::ideal), SensorSwitches::ideal());
   EXPECT_EQ(sensor_switches(SensorSet::nominal), SensorSwitches{});
-  for (const SensorSet set : kSensorSets) {
-    EXPECT_EQ(name_of(sensor_switches(set)), to_string(set));
-    EXPECT_EQ(parse_enum(kSensorSets, to_string(set)), set);
-  }
+  EXPECT_EQ(sensor_switches(SensorSet::as_built), SensorSwitches::as_built());
+  for (const SensorSet set : kSensorSets) EXPECT_EQ(parse_enum(kSensorSets, to_string(set)), set);
   EXPECT_FALSE(parse_enum(kSensorSets, "perfect"));
-  EXPECT_EQ(name_of(SensorSwitches::as_built()), "as-built");
-  SensorSwitches mixed;
-  mixed.gyro = false;
-  EXPECT_EQ(name_of(mixed), "mixed");
 }
 
 }  // namespace

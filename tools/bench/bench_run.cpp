@@ -295,7 +295,6 @@ Result<lockstep::MotorFitOptions> fit_options(const BenchFitOptions& arguments) 
     const auto image = KAZ_TRY(firmware_image(arguments.model.image));
     options.board.image_path = image;
   }
-  options.board.sensors = sim::sensor_switches(sim::SensorSet::nominal);
   options.board.seed = arguments.model.seed;
   return options;
 }

@@ -78,71 +78,61 @@ CLI::Validator whole_number_above_zero(std::int64_t max) {
       "1 to " + std::to_string(max), "a whole number from ");
 }
 
-void add_sim_options(CLI::App& verb, BackendOptions& options) {
-  verb.add_option("--world", options.world, "name of a Kaz world, or an SDF file")
-      ->type_name("NAME|FILE")
-      ->capture_default_str();
-  verb.add_option("--robot-file", options.robot_file,
-                  "URDF of another robot; motor.xml and sensors.xml must be in the same folder "
-                  "(default: Kaz)")
-      ->type_name("FILE");
-  add_choice(verb, "--mcu", sim::kMcuKinds, options.mcu,
-             "microcontroller of the servo board: h8 executes the firmware image; native runs the "
-             "firmware's C code, compiled for this machine");
-  verb.add_option("--image", options.image, "firmware image for h8: an S-record or COFF file")
-      ->type_name("FILE");
-  verb.add_option("--faults", options.faults,
-                  "file that lists faults to inject and their times (docs/reference/simulator.md)")
-      ->type_name("FILE");
-  add_choice(verb, "--sensors", sim::kSensorSets, options.sensors,
-             "nominal: sensors with noise; ideal: sensors without noise; as-built: like nominal, "
-             "but each potentiometer has an uncalibrated curve and offset of its own");
-  add_imu(verb, options.imu);
-  verb.add_option("--dynamics", options.dynamics,
-                  "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; quickN: the "
-                  "Open Dynamics Engine with N iterations (1 to 1000)")
-      ->type_name("reduced|exact|quickN")
-      ->capture_default_str();
-  verb.add_option(
-          "--physics-step", options.physics_step_ms,
-          "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
-          "stays at 1 ms. For impacts, choose a step of at most 1 ms. If the robot's motors "
-          "are on, choose a step of at most 2 ms (docs/explanation/dynamics.md)")
-      ->check(number())
-      ->type_name("MS")
-      ->capture_default_str();
-  verb.add_option("--supply", options.supply_volts, "supply voltage of the board")
-      ->check(between(kMinSupply_v, kMaxSupply_v, "V"))
-      ->type_name("V")
-      ->capture_default_str();
-  add_choice(verb, "--eyes", sim::kEyeKinds, options.eyes,
-             "ideal: pinhole cameras without noise; real: rectified pictures from cameras that "
-             "have lens errors, exposure and noise; none: no cameras, for behaviors that use no "
-             "pictures");
-  verb.add_option("--eye-width", options.eye_width,
-                  "width of the eyes' pictures, px: 320 or 640 (default: the width in camera.json)")
-      ->check(CLI::IsMember({"320", "640"}).description(""))
-      ->type_name("320|640");
-  add_choice(verb, "--renderer", sim::kRendererKinds, options.renderer,
-             "raster: Kaz's own renderer of the pictures; opengl: the reference renderer, which "
-             "uses Mesa and takes three times as long as raster");
-  verb.add_option("--seed", options.seed,
-                  "seed of all noise; the same seed gives identical results")
-      ->transform(whole_number())
-      ->type_name("N")
+void OptionAdder::flag(const sim::OptionText& text, bool& value) {
+  if (text.opposite == nullptr) {
+    verb_.add_flag(text.option, value, text.help);
+    return;
+  }
+  const std::string by_default = " (default)";
+  auto* with = verb_.add_flag_callback(
+      text.option, [&value] { value = true; }, text.help + (value ? by_default : ""));
+  verb_
+      .add_flag_callback(
+          "--no-" + std::string(text.option).substr(2), [&value] { value = false; },
+          text.opposite + (value ? "" : by_default))
+      ->excludes(with);
+}
+
+void OptionAdder::line(const sim::OptionText& text, std::string& value) {
+  auto* option = verb_.add_option(text.option, value, text.help)->type_name(text.placeholder);
+  if (!value.empty()) option->capture_default_str();
+}
+
+void OptionAdder::number(const sim::OptionText& text, double& value) {
+  verb_.add_option(text.option, value, text.help)
+      ->check(kaz::tools::number())
+      ->type_name(text.placeholder)
       ->capture_default_str();
 }
 
-void add_imu(CLI::App& verb, bool& imu) {
-  const std::string by_default = " (default)";
-  auto* with = verb.add_flag_callback(
-      "--imu", [&imu] { imu = true; },
-      "the board has a gyro and an accelerometer at its analog inputs AN3 to AN5" +
-          (imu ? by_default : ""));
-  verb.add_flag_callback(
-          "--no-imu", [&imu] { imu = false; },
-          "the board has no gyro or accelerometer" + (imu ? "" : by_default))
-      ->excludes(with);
+void OptionAdder::number(const sim::OptionText& text, double& value,
+                         const sim::OptionRange& range) {
+  verb_.add_option(text.option, value, text.help)
+      ->check(between(range.min, range.max, range.unit))
+      ->type_name(text.placeholder)
+      ->capture_default_str();
+}
+
+void OptionAdder::whole(const sim::OptionText& text, std::uint64_t& value) {
+  verb_.add_option(text.option, value, text.help)
+      ->transform(whole_number())
+      ->type_name(text.placeholder)
+      ->capture_default_str();
+}
+
+void add_sim_options(CLI::App& verb, BackendOptions& options) {
+  OptionAdder adder(verb);
+  options.visit_world(adder);
+  options.visit_mcu(adder);
+  options.visit_image(adder);
+  verb.add_option("--faults", options.faults,
+                  "file that lists faults to inject and their times (docs/reference/simulator.md)")
+      ->type_name("FILE");
+  options.visit_sensors(adder);
+  options.visit_dynamics(adder);
+  options.visit_supply(adder);
+  options.visit_eyes(adder);
+  options.visit_seed(adder);
 }
 
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text) {

@@ -93,13 +93,38 @@ CLI::Option* add_choice(CLI::App& verb, const std::string& name, const std::arra
   return option;
 }
 
+// Archive (robot_options.h) that adds options to `verb`. The defaults are the present values. The variables
+// for the values must outlive `verb`.
+class OptionAdder {
+ public:
+  explicit OptionAdder(CLI::App& verb) : verb_(verb) {}
+
+  template <class T, std::size_t N>
+  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+    add_choice(verb_, text.option, values, value, text.help);
+  }
+  void flag(const sim::OptionText& text, bool& value);
+  void line(const sim::OptionText& text, std::string& value);
+  void number(const sim::OptionText& text, double& value);
+  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range);
+  void whole(const sim::OptionText& text, std::uint64_t& value);
+  template <std::size_t N>
+  void size(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
+    std::vector<std::string> valid;
+    for (const int one : sizes) valid.push_back(std::to_string(one));
+    verb_.add_option(text.option, value, text.help)
+        ->check(CLI::IsMember(valid).description(""))
+        ->type_name(text.placeholder);
+  }
+
+ private:
+  CLI::App& verb_;
+};
+
 // The functions below add options to `verb`. The variables for the values must outlive `verb`.
 
-// Adds --world, --robot-file, --mcu, --image, --faults, --sensors, --imu, --no-imu, --dynamics,
-// --physics-step, --supply, --eyes, --eye-width, --renderer and --seed.
+// Adds --faults and the options of BackendOptions::visit(), except --suspended.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
-// Adds --imu and --no-imu. The default is the present value of `imu`.
-void add_imu(CLI::App& verb, bool& imu);
 // Adds --set NAME=VALUE. Users may repeat the option. `text`: description, without an example.
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
 // Adds --motor-file, --motor and --disc, the options for the motors on a virtual motor stand.

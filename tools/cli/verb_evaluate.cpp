@@ -238,7 +238,8 @@ void add_variation_options(CLI::App& verb, Arguments& arguments) {
   Variation& v = arguments.campaign.variation;
   add_interval(verb, "--friction", arguments.friction, v.friction, {0.01, 10},
                "friction coefficient of the floor, drawn from this range");
-  add_interval(verb, "--supply", arguments.supply, v.supply_volts, {kMinSupply_v, kMaxSupply_v},
+  add_interval(verb, "--supply", arguments.supply, v.supply_volts,
+               {sim::kMinSupply_v, sim::kMaxSupply_v},
                "supply of the board, V, drawn from this range", "V");
   add_interval(verb, "--ball-distance", arguments.distance, v.ball_distance_m, {0.05, 20},
                "distance of the ball from the feet, m, drawn from this range", "m");

@@ -127,9 +127,8 @@ void add_sim(CLI::App& program, Action& action) {
                    "write the eyes' calibration in OpenCV's format (YAML); without --serial, write "
                    "only this file")
       ->type_name("FILE");
-  verb->add_flag("--suspended", arguments->backend.suspended,
-                 "hang the robot by its trunk, so that its feet are free. The command `kaz "
-                 "calibrate joints --only stops` needs a suspended robot");
+  OptionAdder adder(*verb);
+  arguments->backend.visit_suspended(adder);
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");

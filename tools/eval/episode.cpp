@@ -159,7 +159,7 @@ Result<std::string> episode_memory(const CampaignOptions& options, const Scenari
   sim::SimulationOptions robot;
   robot.seed = scenario.seed;
   robot.imu = true;
-  robot.sensors = sim::sensor_switches(options.backend.sensors);
+  robot.sensors = options.backend.sensors;
   robot.world_path = KAZ_TRY(world_file("empty"));
   robot.robot_path = robot_file;
   robot.camera_path = fs::path(robot_file).replace_filename("camera.json").string();

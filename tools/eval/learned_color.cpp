@@ -82,9 +82,7 @@ Result<ColorLesson> draw_color_lesson(const Scenario& episode, const BackendOpti
   options.world = files.world();
   options.robot_file = files.robot();
   options.seed = lesson.scenario.seed;
-  options.eyes = backend.eyes;
-  options.eye_width = backend.eye_width;
-  options.renderer = backend.renderer;
+  options.copy_eyes(backend);
   auto simulation = KAZ_TRY(make_simulation(options, sim::FramePolicy::wait));
   lesson.picture = KAZ_TRY(take_picture(*simulation, lesson.scenario, options));
   lesson.region = mark(lesson.picture, *simulation, lesson.scenario);

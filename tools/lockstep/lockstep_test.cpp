@@ -94,7 +94,7 @@ TEST(LockstepCamera, DeliversBySimulatedTime) {
 
 TEST(Lockstep, ErrorOfTheSimulationComesOutOfEveryCall) {
   sim::SimulationOptions options;
-  options.renderer = []() -> Result<std::unique_ptr<sim::Renderer>> {
+  options.make_renderer = []() -> Result<std::unique_ptr<sim::Renderer>> {
     return fail(Fault::environment, "no OpenGL here");
   };
   auto simulation = sim::Simulation::assemble(

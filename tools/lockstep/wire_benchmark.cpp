@@ -17,7 +17,7 @@ using namespace kaz;
 Result<lockstep::WireLoad> measure(double rate_hz) {
   auto chip = KAZ_TRY(sim::H8Mcu::load(KAZ_FIRMWARE_IMAGE));
   sim::SimulationOptions options;
-  options.renderer = sim::make_test_renderer;
+  options.make_renderer = sim::make_test_renderer;
   auto simulation = KAZ_TRY(sim::Simulation::assemble(
       options, std::move(chip), std::make_unique<sim::TestWorld>(), sim::small_camera()));
   lockstep::LockstepClock clock(*simulation);

@@ -22,7 +22,7 @@ class Wire : public ::testing::TestWithParam<sim::McuKind> {
       mcu = std::move(*chip);
     }
     sim::SimulationOptions options;
-    options.renderer = sim::make_test_renderer;
+    options.make_renderer = sim::make_test_renderer;
     auto assembled = sim::Simulation::assemble(
         options, std::move(mcu), std::make_unique<sim::TestWorld>(), sim::small_camera());
     ASSERT_TRUE(assembled) << assembled.error().message;

@@ -3,7 +3,9 @@
 #include "tools/replay/recorded_backend.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -35,6 +37,88 @@ Result<void> choose(const std::string& name, const std::array<T, N>& values, T& 
   for (const std::string& valid : enum_names(values)) names += (names.empty() ? "" : ", ") + valid;
   return fail(Fault::usage, "is `" + cut_text(name) + "`: must be one of " + names);
 }
+
+// Archive (robot_options.h) that reads the options of a recording. Missing options keep their values.
+class RecordedOptions {
+ public:
+  explicit RecordedOptions(const Json& from) : from_(from) {}
+
+  template <class T, std::size_t N>
+  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+    std::string name = to_string(value);
+    if (!take(text, name, [](const Json& json) { return json.is_string(); })) return;
+    if (const auto chosen = choose(name, values, value); !chosen && unknown_.empty())
+      unknown_ = quoted(key_of(text)) + " of its backend " + chosen.error().message;
+  }
+  void flag(const sim::OptionText& text, bool& value) {
+    take(text, value, [](const Json& json) { return json.is_boolean(); });
+  }
+  void line(const sim::OptionText& text, std::string& value) {
+    take(text, value, [](const Json& json) { return json.is_string(); });
+  }
+  void lines(const sim::OptionText& text, std::vector<std::string>& value) {
+    take(text, value, [](const Json& json) {
+      return json.is_array() && json.size() <= KZ_JOINTS &&
+             std::ranges::all_of(json, [](const Json& one) { return one.is_string(); });
+    });
+  }
+  void number(const sim::OptionText& text, double& value) {
+    take(text, value, [](const Json& json) { return json.is_number(); });
+  }
+  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
+    take(text, value, [&](const Json& json) {
+      return json.is_number() && json.get<double>() >= range.min && json.get<double>() <= range.max;
+    });
+  }
+  void whole(const sim::OptionText& text, std::uint64_t& value) {
+    take(text, value, [](const Json& json) { return json.is_number_unsigned(); });
+  }
+  // Accepts more sizes than the command line does.
+  template <std::size_t N>
+  void size(const sim::OptionText& text, int& value, const std::array<int, N>&) {
+    take(text, value, [](const Json& json) {
+      return json.is_number_unsigned() && json.get<std::uint64_t>() <= 4096;
+    });
+  }
+
+  // Returns the first part of an error message, or an empty string.
+  std::string error() const {
+    if (!misfit_.empty())
+      return quoted(misfit_) + " of its backend has the wrong type or is out of range";
+    // Without these another robot would run than the recorded one.
+    for (const char* key : {"world", mcu_key(), "sensors", "eyes"}) {
+      if (!from_.contains(key)) return quoted(key) + " of its backend is missing";
+    }
+    return unknown_;
+  }
+
+ private:
+  // "engine": the key of `mcu` in older recordings.
+  const char* mcu_key() const {
+    return from_.contains("engine") && !from_.contains("mcu") ? "engine" : "mcu";
+  }
+  const char* key_of(const sim::OptionText& text) const {
+    return std::string_view(text.name) == "mcu" ? mcu_key() : text.name;
+  }
+  static std::string quoted(const std::string& key) { return "`" + key + "`"; }
+
+  // Returns true if `to` was set.
+  template <class T, class Test>
+  bool take(const sim::OptionText& text, T& to, Test fits) {
+    const auto found = from_.find(key_of(text));
+    if (found == from_.end()) return false;
+    if (!fits(*found)) {
+      misfit_ = key_of(text);
+      return false;
+    }
+    found->get_to(to);
+    return true;
+  }
+
+  const Json& from_;
+  std::string misfit_;   // key of a value with the wrong type or out of range
+  std::string unknown_;  // error for a name that is not in its list
+};
 
 // The texts under this key in /behavior, with their times, ns.
 std::vector<std::pair<std::uint64_t, std::string>> behavior_texts(
@@ -117,66 +201,11 @@ Result<RecordedBackend> recorded_backend(const sim::McapRecording& recording,
       return wrong("the setting `" + cut_text(key) + "` of its behavior must be text");
     result.settings[key] = value.get<std::string>();
   }
-  std::string misfit;
-  const auto take = [&](const char* key, auto& to, bool fits) {
-    const auto found = backend.find(key);
-    if (found == backend.end()) return;
-    if (fits) {
-      found->get_to(to);
-    } else {
-      misfit = key;
-    }
-  };
-  const auto is = [&](const char* key, auto test) {
-    const auto found = backend.find(key);
-    return found != backend.end() && test(*found);
-  };
-  const auto text = [](const Json& value) { return value.is_string(); };
-  const auto number = [](const Json& value) { return value.is_number(); };
-  // "engine": the key of `mcu` in older recordings.
-  const char* const mcu_key =
-      backend.contains("engine") && !backend.contains("mcu") ? "engine" : "mcu";
-  BackendOptions& options = result.backend;
   // Older recordings do not state the renderer: OpenGL was the only one, then the default.
-  std::string mcu, sensors, eyes, renderer = to_string(sim::RendererKind::opengl);
-  for (const auto& [key, to] :
-       {std::pair{"world", &options.world}, std::pair{"robot_file", &options.robot_file},
-        std::pair{mcu_key, &mcu}, std::pair{"image", &options.image},
-        std::pair{"sensors", &sensors}, std::pair{"eyes", &eyes}, std::pair{"renderer", &renderer},
-        std::pair{"dynamics", &options.dynamics}, std::pair{"memory", &options.memory}})
-    take(key, *to, is(key, text));
-  take("imu", options.imu, is("imu", [](const Json& value) { return value.is_boolean(); }));
-  take("suspended", options.suspended,
-       is("suspended", [](const Json& value) { return value.is_boolean(); }));
-  take("physics_step_ms", options.physics_step_ms, is("physics_step_ms", number));
-  take("supply_volts", options.supply_volts, is("supply_volts", [](const Json& value) {
-         return value.is_number() && value.get<double>() >= kMinSupply_v &&
-                value.get<double>() <= kMaxSupply_v;
-       }));
-  take("eye_width", options.eye_width, is("eye_width", [](const Json& value) {
-         return value.is_number_unsigned() && value.get<std::uint64_t>() <= 4096;
-       }));
-  take("joints", options.joints, is("joints", [](const Json& value) {
-         return value.is_array() && value.size() <= KZ_JOINTS &&
-                std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
-       }));
-  take("seed", options.seed,
-       is("seed", [](const Json& value) { return value.is_number_unsigned(); }));
-  if (!misfit.empty())
-    return wrong("`" + misfit + "` of its backend has the wrong type or is out of range");
-  // Without these another robot would run than the recorded one.
-  for (const char* key : {"world", mcu_key, "sensors", "eyes"}) {
-    if (!backend.contains(key))
-      return wrong(std::string("`") + key + "` of its backend is missing");
-  }
-  if (auto set = choose(mcu, sim::kMcuKinds, options.mcu); !set)
-    return wrong(std::string("`") + mcu_key + "` of its backend " + set.error().message);
-  if (auto set = choose(sensors, sim::kSensorSets, options.sensors); !set)
-    return wrong("`sensors` of its backend " + set.error().message);
-  if (auto set = choose(eyes, sim::kEyeKinds, options.eyes); !set)
-    return wrong("`eyes` of its backend " + set.error().message);
-  if (auto set = choose(renderer, sim::kRendererKinds, options.renderer); !set)
-    return wrong("`renderer` of its backend " + set.error().message);
+  result.backend.renderer = sim::RendererKind::opengl;
+  RecordedOptions reader(backend);
+  result.backend.visit(reader);
+  if (const std::string why = reader.error(); !why.empty()) return wrong(why);
   if (const std::string text_of_ball = fact("ball"); !text_of_ball.empty()) {
     result.ball.color = KAZ_TRY(parse_color(text_of_ball, name + ": the ball of its run"));
     const Json ball = object_of(text_of_ball);

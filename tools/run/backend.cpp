@@ -363,19 +363,8 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
                                                          sim::FramePolicy frames) {
   if (!options.image.empty() && options.mcu != sim::McuKind::h8)
     return fail(Fault::usage, "--image is only valid with --mcu h8: native has no firmware image");
-  sim::SimulationOptions sim;
-  sim.mcu = options.mcu;
-  sim.seed = options.seed;
-  sim.eyes = options.eyes;
-  sim.eye_width = options.eye_width;
-  sim.renderer = sim::maker_of(options.renderer);
-  sim.dynamics = options.dynamics;
-  sim.physics_step_ms = options.physics_step_ms;
-  sim.suspended = options.suspended;
+  sim::SimulationOptions sim(options);
   sim.frames = frames;
-  sim.sensors = sim::sensor_switches(options.sensors);
-  sim.imu = options.imu;
-  sim.supply_volts = options.supply_volts;
   sim.recording_path = options.recording;
   sim.tap = options.tap;
   sim.hands = options.hands;

@@ -8,10 +8,7 @@
 #include <vector>
 
 #include "host/robot/robot_types.h"
-#include "sim/board/sensor_file.h"
-#include "sim/mcu/mcu_kind.h"
-#include "sim/render/renderer_kind.h"
-#include "sim/runtime/eyes/eye_kind.h"
+#include "sim/runtime/simulation/robot_options.h"
 
 namespace kaz::sim {
 class HandSource;
@@ -20,9 +17,7 @@ class RecordingTap;
 
 namespace kaz::tools {
 
-constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
-
-struct BackendOptions {
+struct BackendOptions : sim::RobotOptions {
   // "sim", a port (parse_port_address()), a servo bus (parse_bus()), or boards:FILE.
   std::string robot = "sim";
   std::uint8_t address = 1;                        // address of the board at a port
@@ -35,7 +30,6 @@ struct BackendOptions {
   std::string robot_file;  // URDF file; empty: Kaz; also describes a robot at a port
   // Joints of robot_file (other_joints()), for replays without this file.
   std::vector<std::string> joints;
-  sim::McuKind mcu = sim::McuKind::h8;
   std::string image;   // firmware image for h8; empty: the installed image
   bool stand = false;  // simulates the motor test stand instead of robot and world
   // For the stand: motor file and name of a motor in it; empty: Kaz's motor.xml and its default motor.
@@ -44,17 +38,6 @@ struct BackendOptions {
   bool erased = false;      // the board's flash is erased and contains no firmware
   // Calibration and address in the board's flash (Mcu::memory), in hexadecimal; empty: blank memory.
   std::string memory;
-  bool suspended = false;  // the robot is held at the trunk, and the feet are free
-  sim::SensorSet sensors = sim::SensorSet::nominal;
-  bool imu = false;  // true: the board has the optional IMU
-  sim::EyeKind eyes = sim::EyeKind::ideal;
-  std::string dynamics = "reduced";  // WorldOptions::dynamics
-  double physics_step_ms = 1;        // SimulationOptions::physics_step_ms
-  double supply_volts = 10;          // kMinSupply_v to kMaxSupply_v
-  // Width of the eyes' pictures, px: 320 or 640; 0: the width in camera.json.
-  int eye_width = 0;
-  sim::RendererKind renderer = sim::kDefaultRenderer;
-  std::uint64_t seed = 1;
   std::string faults;     // file with a schedule of faults; empty: no faults
   std::string recording;  // path of the recording; empty: no recording
   // Observer of the recorded messages. For a robot at a port, these are only the messages that the host can
@@ -67,6 +50,45 @@ struct BackendOptions {
   std::vector<std::pair<std::string, std::string>> facts;
 
   bool at_port() const { return robot != "sim"; }
+
+  // Pass options to an archive (robot_options.h).
+  template <class A>
+  void visit_world(A& archive) {
+    archive.line({.name = "world",
+                  .option = "--world",
+                  .help = "name of a Kaz world, or an SDF file",
+                  .placeholder = "NAME|FILE"},
+                 world);
+    archive.line({.name = "robot_file",
+                  .option = "--robot-file",
+                  .help = "URDF of another robot; motor.xml and sensors.xml must be in the same "
+                          "folder (default: Kaz)",
+                  .placeholder = "FILE"},
+                 robot_file);
+  }
+  template <class A>
+  void visit_image(A& archive) {
+    archive.line({.name = "image",
+                  .option = "--image",
+                  .help = "firmware image for h8: an S-record or COFF file",
+                  .placeholder = "FILE"},
+                 image);
+  }
+  // All options that describe the simulated robot, in the order of recordings.
+  template <class A>
+  void visit(A& archive) {
+    visit_world(archive);
+    visit_mcu(archive);
+    visit_image(archive);
+    visit_sensors(archive);
+    visit_dynamics(archive);
+    visit_eyes(archive);
+    visit_supply(archive);
+    visit_seed(archive);
+    archive.line({.name = "memory", .optional = true}, memory);
+    visit_suspended(archive);
+    archive.lines({.name = "joints", .optional = true}, joints);
+  }
 };
 
 }  // namespace kaz::tools

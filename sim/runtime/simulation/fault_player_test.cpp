@@ -22,7 +22,7 @@ struct Bench {
 
   explicit Bench(const std::string& schedule = "", const std::string& recording = "") {
     SimulationOptions options;
-    options.sensors = SensorSwitches::ideal();
+    options.sensors = SensorSet::ideal;
     options.recording_path = recording;
     options.faults = faults::Schedule::parse(schedule, "test").value();
     simulation = test_simulation(options);

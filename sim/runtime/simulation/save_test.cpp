@@ -28,7 +28,7 @@ SimulationOptions real_options(McuKind mcu) {
   options.robot_path = KAZ_TREE "/shared/robot/kaz/kaz.urdf";
   options.camera_path = KAZ_TREE "/shared/robot/kaz/camera.json";
   options.seed = 5;
-  options.renderer = make_test_renderer;
+  options.make_renderer = make_test_renderer;
   auto faults = faults::Schedule::parse(
       "at 0.300 s for 1.2 s link_drop 0.2\n"
       "at 0.400 s for 1 s pot_noisy joint 2 sigma 3 codes\n"
@@ -115,7 +115,7 @@ TEST_P(Restored, BeginsAgainFromAStart) {
   auto options = real_options(GetParam());
   options.faults = {};
   options.imu = true;
-  options.sensors = SensorSwitches::as_built();
+  options.sensors = SensorSet::as_built;
   auto first = make(options);
   run(*first, 200);
   auto start = first->keep();
@@ -201,7 +201,9 @@ TEST(Snapshot, WhateverByteIsChangedItIsRefusedOrRuns) {
     std::size_t refused = 0, ran = 0;
     for (std::size_t at = 0; at < parts.size(); at += 97) {
       Bytes damaged = parts;
-      damaged[at] = static_cast<std::uint8_t>(at % 3 == 0 ? 0xff : at % 3 == 1 ? 0x7f : parts[at] ^ 1);
+      damaged[at] = static_cast<std::uint8_t>(at % 3 == 0   ? 0xff
+                                              : at % 3 == 1 ? 0x7f
+                                                            : parts[at] ^ 1);
       const bool taken = simulation->restore(Snapshot::pack(facts, damaged)).has_value();
       ++(taken ? ran : refused);
       if (!taken) {
@@ -230,12 +232,12 @@ TEST(Snapshot, RefusesEachOtherOption) {
       {"seed", [](auto& o) { o.seed = 6; }},
       {"dynamics", [](auto& o) { o.dynamics = "quick20"; }},
       {"physics_step_ms", [](auto& o) { o.physics_step_ms = 0.5; }},
-      {"sensors", [](auto& o) { o.sensors.gyro = false; }},
+      {"sensors", [](auto& o) { o.sensors = SensorSet::ideal; }},
       {"imu", [](auto& o) { o.imu = true; }},
       {"eyes", [](auto& o) { o.eyes = EyeKind::real; }},
       {"eye_width", [](auto& o) { o.eye_width = 640; }},
       {"frames", [](auto& o) { o.frames = FramePolicy::drop; }},
-      {"renderer", [](auto& o) { o.renderer = make_opengl_renderer; }},
+      {"renderer", [](auto& o) { o.make_renderer = nullptr; }},
       {"supply_volts", [](auto& o) { o.supply_volts = 10.0 + 1e-12; }},
       {"faults", [](auto& o) { o.faults = {}; }},
   };

@@ -93,6 +93,13 @@ Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options) {
   return options.image_path.empty() ? make_erased_h8() : make_h8(options.image_path);
 }
 
+void set_eyes(CameraFile& camera, const RobotOptions& options) {
+  camera.ideal = options.eyes == EyeKind::ideal;
+  if (options.eye_width <= 0) return;
+  camera.eye.width = options.eye_width;
+  camera.eye.height = options.eye_width * 3 / 4;
+}
+
 Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& options) {
   KAZ_TRY(step_ratio(options.physics_step_ms));
   auto mcu = KAZ_TRY(make_mcu(options));
@@ -106,11 +113,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   Result<CameraFile> camera;
   if (world->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
-  camera->ideal = options.eyes == EyeKind::ideal;
-  if (options.eye_width > 0) {
-    camera->eye.width = options.eye_width;
-    camera->eye.height = options.eye_width * 3 / 4;
-  }
+  set_eyes(*camera, options);
   const auto params = KAZ_TRY(
       load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml")));
   SimulationOptions with_params = options;
@@ -145,7 +148,7 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       ratio_(ratio),
       board_(std::move(mcu), {.seed = options.seed,
                               .params = options.sensor_params,
-                              .sensors = options.sensors,
+                              .sensors = sensor_switches(options.sensors),
                               .imu = options.imu,
                               .supply_volts = options.supply_volts,
                               .supply_ohms = options.supply_ohms}),
@@ -153,7 +156,9 @@ Simulation::Simulation(const SimulationOptions& options, std::unique_ptr<Mcu> mc
       drives_(channels_.size()),
       faults_(options.faults),
       line_(options.seed),
-      draws_(world_->scene(), options.renderer, options.drawing) {
+      draws_(world_->scene(),
+             options.make_renderer ? options.make_renderer : maker_of(options.renderer),
+             options.drawing) {
   if (has_eyes()) {
     const Eyes::Mounting eyes = eye_mounting(*world_);
     camera_.baseline_m = (eyes.left.translation() - eyes.right.translation()).norm();

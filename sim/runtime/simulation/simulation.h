@@ -24,13 +24,12 @@
 #include "sim/board/servo_board.h"
 #include "sim/body/world/world.h"
 #include "sim/mcu/mcu.h"
-#include "sim/render/renderer_kind.h"
-#include "sim/runtime/eyes/eye_kind.h"
 #include "sim/runtime/eyes/eyes.h"
 #include "sim/runtime/eyes/render_thread.h"
 #include "sim/runtime/formats/mcap_writer.h"
 #include "sim/runtime/simulation/fault_player.h"
 #include "sim/runtime/simulation/hand_player.h"
+#include "sim/runtime/simulation/robot_options.h"
 #include "sim/runtime/simulation/serial_line.h"
 #include "sim/runtime/simulation/step_ratio.h"
 #include "sim/runtime/time.h"
@@ -43,26 +42,15 @@ class HandSource;
 class RecordingTap;
 struct RecordedMap;
 
-struct SimulationOptions {
-  McuKind mcu = McuKind::native;
+// Options of a simulation besides those of the robot.
+struct SimulationSetup {
   std::string image_path;  // path of the firmware image for h8; empty: the flash is erased
   std::string world_path;  // path of an SDF file
   std::string robot_path;  // path of a URDF file
   // Path of camera.json in the URDF's folder; not read for a robot without eyes.
   std::string camera_path;
-  std::uint64_t seed = 1;
-  std::string dynamics = "reduced";  // name of the dynamics (sim/body/world/world.h)
-  double physics_step_ms = 1;        // duration of a physics step: 0.125, 0.25, 0.5, 1, 2 or 4 ms
-  // True: the robot is suspended. The root link is fixed, and the feet do not touch the ground
-  // (WorldOptions::hung).
-  bool suspended = false;
-  SensorSwitches sensors = {};
   // Parameters of the sensors. create() reads these parameters from sensors.xml in the URDF's folder.
   SensorParams sensor_params = {};
-  bool imu = false;  // true: the board has a gyro and an accelerometer
-  EyeKind eyes = EyeKind::ideal;
-  int eye_width = 0;  // width of 4:3 pictures, px; 0: size from the camera file
-  double supply_volts = 10.0;
   double supply_ohms = 0.15;  // resistance of battery, switch and wires
   FramePolicy frames = FramePolicy::wait;
   faults::Schedule faults;     // fault times count from the start of the simulation
@@ -76,10 +64,15 @@ struct SimulationOptions {
   // True: the recording contains the eyes' pictures and the digests of the pictures. False: only the digests.
   bool record_pictures = false;
   McapWriter::Metadata recording_facts;  // metadata of the recording, for example versions
-  RendererFactory renderer = maker_of(kDefaultRenderer);
+  RendererFactory make_renderer;  // replaces the renderer of the robot's options, unless empty
   Drawing drawing = Drawing::own_thread;
   // For tests: time between calls of detour(). Zero: detour() is never called.
   Time detour_every{};
+};
+
+struct SimulationOptions : RobotOptions, SimulationSetup {
+  SimulationOptions() { mcu = McuKind::native; }
+  explicit SimulationOptions(const RobotOptions& robot) : RobotOptions(robot) {}
 };
 
 // Returns all inputs that determine the course of a simulation, as pairs of name and value. The inputs are
@@ -89,6 +82,9 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
 
 // Makes the microcontroller that the options select. Returns Fault::usage for an invalid firmware image.
 Result<std::unique_ptr<Mcu>> make_mcu(const SimulationOptions& options);
+
+// Sets kind and picture size of the eyes in `camera` to those that the options select.
+void set_eyes(CameraFile& camera, const RobotOptions& options);
 
 class Simulation {
  public:

@@ -44,25 +44,10 @@ std::string digest_of(const SensorParams& params) {
   return sha256_hex(bytes);
 }
 
-// Name of a set of switches; a set without a name is listed switch by switch.
-std::string switches_of(const SensorSwitches& sensors) {
-  std::string name = name_of(sensors);
-  if (name != "mixed") return name;
-  const auto& [potentiometer, as_built, supply, reference, temperature, gyro, accelerometer] =
-      sensors;
-  for (const bool on :
-       {potentiometer, as_built, supply, reference, temperature, gyro, accelerometer})
-    name += on ? " 1" : " 0";
-  return name;
-}
-
-// Name of the renderer factory; functions other than ours cannot be distinguished.
-std::string name_of(const RendererFactory& renderer) {
-  const auto* function = renderer.target<Result<std::unique_ptr<Renderer>> (*)()>();
-  if (function == nullptr) return "own";
-  return *function == &make_opengl_renderer   ? "Mesa"
-         : *function == &make_raster_renderer ? "raster"
-                                              : "own";
+// Name of the renderer; factories other than ours cannot be distinguished.
+const char* name_of(RendererKind renderer, const RendererFactory& make_renderer) {
+  if (make_renderer) return "own";
+  return renderer == RendererKind::opengl ? "Mesa" : to_string(renderer);
 }
 
 }  // namespace
@@ -70,10 +55,11 @@ std::string name_of(const RendererFactory& renderer) {
 // Binds every field of the options, so that a new field does not compile until it is listed here.
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
-  const auto& [mcu, image_path, world_path, robot_path, camera_path, seed, dynamics,
-               physics_step_ms, suspended, sensors, sensor_params, imu, eyes, eye_width,
-               supply_volts, supply_ohms, frames, faults, recording_path, tap, hands,
-               record_pictures, recording_facts, renderer, drawing, detour_every] = options;
+  const auto& [mcu, sensors, imu, dynamics, physics_step_ms, eyes, eye_width, renderer,
+               supply_volts, seed, suspended] = static_cast<const RobotOptions&>(options);
+  const auto& [image_path, world_path, robot_path, camera_path, sensor_params, supply_ohms, frames,
+               faults, recording_path, tap, hands, record_pictures, recording_facts, make_renderer,
+               drawing, detour_every] = static_cast<const SimulationSetup&>(options);
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(tap);             // nor does who hears of it
@@ -87,13 +73,13 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
       {"seed", std::to_string(seed)},
       {"dynamics", world.dynamics()},
       {"physics_step_ms", exact(physics_step_ms)},
-      {"sensors", switches_of(sensors)},
+      {"sensors", to_string(sensors)},
       {"sensor_params_sha256", digest_of(sensor_params)},
       {"imu", imu ? "true" : "false"},
       {"eyes", to_string(eyes)},
       {"eye_width", std::to_string(eye_width)},
       {"frames", frames == FramePolicy::wait ? "wait" : "drop"},
-      {"renderer", name_of(renderer)},
+      {"renderer", name_of(renderer, make_renderer)},
       {"supply_volts", exact(supply_volts)},
       {"supply_ohms", exact(supply_ohms)},
       {"world_sha256", digest_of(world_path)},

@@ -24,7 +24,7 @@ TEST(Simulation, StepIsOneMillisecondOfEverything) {
 
 TEST(Simulation, TargetMovesTheJointThroughMotorAndPotentiometer) {
   SimulationOptions options;
-  options.sensors = SensorSwitches::ideal();
+  options.sensors = SensorSet::ideal;
   auto simulation = test_simulation(options);
   run_ms(*simulation, 50);
   simulation->write(enable_frame(1, 1));
@@ -71,7 +71,7 @@ TEST(Simulation, DrawsForNobodyUntilEyesAreOpened) {
     ++made;
     return make_test_renderer();
   };
-  options.renderer = counting;
+  options.make_renderer = counting;
   auto simulation =
       Simulation::assemble(options, make_native(), std::make_unique<TestWorld>(), small_camera());
   ASSERT_TRUE(simulation);

@@ -33,7 +33,7 @@ const TestWorld& world_of(const Simulation& simulation) {
 TEST(StepRatio, TheLoopClosesUnderEachLength) {
   for (const double step_ms : {0.125, 0.5, 1.0, 2.0, 4.0}) {
     SimulationOptions options;
-    options.sensors = SensorSwitches::ideal();
+    options.sensors = SensorSet::ideal;
     auto simulation = test_simulation(options, step_ms / 1000);
     ASSERT_NE(simulation, nullptr) << step_ms;
     for (int i = 0; i < 48; ++i) ASSERT_TRUE(simulation->step());
@@ -55,7 +55,7 @@ TEST(StepRatio, TheLoopClosesUnderEachLength) {
 TEST(StepRatio, ALongStepTakesTheMeanDuty) {
   const auto duties = [](double step_s, int ms) {
     SimulationOptions options;
-    options.sensors = SensorSwitches::ideal();
+    options.sensors = SensorSet::ideal;
     auto simulation = test_simulation(options, step_s);
     for (int i = 0; i < 48; ++i) EXPECT_TRUE(simulation->step());
     simulation->write(enable_frame(1, 1));
@@ -80,7 +80,7 @@ TEST(StepRatio, ALongStepTakesTheMeanDuty) {
 
 TEST(StepRatio, AssembleRefusesAWorldThatDoesNotFit) {
   SimulationOptions options;
-  options.renderer = make_test_renderer;
+  options.make_renderer = make_test_renderer;
   const auto made = Simulation::assemble(options, make_native(), std::make_unique<TestWorld>(0.003),
                                          small_camera());
   ASSERT_FALSE(made);
@@ -96,7 +96,7 @@ TEST(StepRatio, AShortOrLongStepCanBeSaved) {
     options.robot_path = "shared/robot/kaz/kaz.urdf";
     options.camera_path = "shared/robot/kaz/camera.json";
     options.physics_step_ms = step_ms;
-    options.renderer = make_test_renderer;
+    options.make_renderer = make_test_renderer;
     auto one = Simulation::create(options), other = Simulation::create(options);
     ASSERT_TRUE(one && other);
     (*one)->write(enable_frame(1, 1));

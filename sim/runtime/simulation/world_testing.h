@@ -101,7 +101,7 @@ inline CameraFile small_camera() {
 
 inline std::unique_ptr<Simulation> test_simulation(SimulationOptions options = {},
                                                    double step_s = 0.001) {
-  options.renderer = make_test_renderer;
+  options.make_renderer = make_test_renderer;
   options.sensor_params = load_sensor_file("shared/robot/kaz/sensors.xml").value();
   auto simulation = Simulation::assemble(options, make_native(),
                                          std::make_unique<TestWorld>(step_s), small_camera());

@@ -41,7 +41,7 @@ const std::vector<Breaker>& breakers() {
        [](MotorTest& t) { t.board.sensor_params.potentiometer.noise_codes = 2; }},
       {"pot.linearity", true,
        [](MotorTest& t) {
-         t.board.sensors = sim::SensorSwitches::as_built();
+         t.board.sensors = sim::SensorSet::as_built;
          // Largest deviation of any; each seed draws a share of it, 0.5 to 5 % of the range here.
          t.board.sensor_params.potentiometer.linearity = 0.2;
        }},

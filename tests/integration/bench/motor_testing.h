@@ -21,7 +21,6 @@ inline sim::MotorParams kaz_motor() {
 
 inline sim::SimulationOptions kaz_board() {
   sim::SimulationOptions board;
-  board.sensors = sim::sensor_switches(sim::SensorSet::nominal);
   const auto params =
       sim::load_sensor_file(std::string(KAZ_TREE) + "/shared/robot/kaz/sensors.xml");
   EXPECT_TRUE(params) << params.error().message;

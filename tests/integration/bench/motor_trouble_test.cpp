@@ -60,7 +60,7 @@ TEST(BrokenPotentiometer, WithoutAReadingIsNotQuiet) {
        {"pot_open joint 2", "pot_short joint 2", "pot_open joint 2 0", "pot_short joint 2 1"}) {
     for (const auto sensors : {sim::SensorSet::nominal, sim::SensorSet::ideal}) {
       auto board = kaz_board();
-      board.sensors = sim::sensor_switches(sensors);
+      board.sensors = sensors;
       const Benched benched = bench_with("at 0 s " + std::string(fault), "", "^pot", board);
       ASSERT_TRUE(benched.ran) << benched.ran.error().message;
       EXPECT_EQ(failed(benched.report),
@@ -94,7 +94,7 @@ TEST(BrokenPotentiometer, ThatDoesNotFollowHasNoLine) {
 // Quiet because the sensors are ideal, and healthy.
 TEST(BrokenPotentiometer, IsNoneThatIsOnlyQuiet) {
   auto board = kaz_board();
-  board.sensors = sim::sensor_switches(sim::SensorSet::ideal);
+  board.sensors = sim::SensorSet::ideal;
   const Benched benched = bench_with("", "", "^pot.noise", board);
   EXPECT_EQ(failed(benched.report), Names{}) << all_values(benched.report);
 }

@@ -177,8 +177,6 @@ Result<Sweep> sweep(const std::string& world, const std::string& robot_folder,
   options.robot_path = robot_folder + "/kaz.urdf";
   options.camera_path = robot_folder + "/camera.json";
   options.eyes = sim::EyeKind::real;
-  options.renderer = sim::maker_of(sim::kDefaultRenderer);
-  options.sensors = sim::sensor_switches(sim::SensorSet::nominal);
   options.eye_width = 320;
   return Run(KAZ_TRY(sim::Simulation::create(options))).run();
 }

@@ -33,7 +33,7 @@ Result<std::string> calibrated_memory(tools::BackendOptions backend) {
   sim::SimulationOptions options;
   options.seed = backend.seed;
   options.imu = true;
-  options.sensors = sim::sensor_switches(backend.sensors);
+  options.sensors = backend.sensors;
   options.world_path = KAZ_TRY(tools::world_file("empty"));
   options.robot_path = KAZ_TRY(tools::data_file("robot/kaz/kaz.urdf"));
   options.camera_path = KAZ_TRY(tools::data_file("robot/kaz/camera.json"));

@@ -66,7 +66,7 @@ Result<void> run(const Arguments& arguments) {
     options.robot_path = files.robot();
     options.camera_path = files.camera();
     options.imu = true;
-    options.sensors = sim::sensor_switches(sim::SensorSet::as_built);
+    options.sensors = sim::SensorSet::as_built;
     const auto done = KAZ_TRY(studies::calibrate_joints(options));
     longest = std::max(longest, done.seconds);
     residual = std::max(residual, done.worst_residual);

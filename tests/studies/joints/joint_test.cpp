@@ -20,7 +20,7 @@ TEST(Joints, OfARobotAsBuiltErrLessThanHalfADegreeAfterwards) {
   options.camera_path = "shared/robot/kaz/camera.json";
   options.imu = true;
   options.seed = 5;
-  options.sensors = sim::sensor_switches(sim::SensorSet::as_built);
+  options.sensors = sim::SensorSet::as_built;
   const auto done = studies::calibrate_joints(options);
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_LT(done->worst_residual, 4.5);

@@ -74,7 +74,7 @@ Result<std::unique_ptr<sim::Simulation>> make(const Setting& setting) {
   options.world_path = world_file();
   options.robot_path = kRobot;
   options.camera_path = "shared/robot/kaz/camera.json";
-  options.sensors = sim::SensorSwitches::ideal();
+  options.sensors = sim::SensorSet::ideal;
   options.dynamics = setting.stepper;
   options.physics_step_ms = setting.step_ms;
   auto simulation = sim::Simulation::create(options);

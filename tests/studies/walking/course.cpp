@@ -182,7 +182,7 @@ sim::SimulationOptions options_of(const Trial& trial, const Setting& setting,
   options.camera_path = files.camera();
   options.supply_volts = trial.supply_volts;
   options.imu = trial.imu;
-  options.sensors = sim::sensor_switches(trial.sensors);
+  options.sensors = trial.sensors;
   return options;
 }
 
