@@ -28,6 +28,7 @@
 #include "tools/eval/parts.h"
 #include "tools/eval/summary.h"
 #include "tools/eval/work_folder.h"
+#include "tools/run/option_json.h"
 
 namespace kaz::tools {
 namespace {
@@ -417,30 +418,28 @@ Json campaign_json(const CampaignOptions& o) {
   Json json{{"behavior", o.behavior},
             {"settings", o.settings},
             {"realtime", o.realtime},
-            {"seed", o.seed},
-            {"mcu", to_string(o.backend.mcu)},
-            {"image", o.backend.image},
-            {"sensors", to_string(o.backend.sensors)},
-            {"imu", o.backend.imu},
-            {"eyes", to_string(o.backend.eyes)},
-            {"eye_width", o.backend.eye_width},
-            {"renderer", to_string(o.backend.renderer)},
-            {"dynamics", o.backend.dynamics},
-            {"physics_step_ms", o.backend.physics_step_ms},
-            {"friction", pair(o.variation.friction)},
-            {"supply_volts", pair(o.variation.supply_volts)},
-            {"ball_distance_m", pair(o.variation.ball_distance_m)},
-            {"bearing_deg", o.variation.bearing_deg},
-            {"radii_m", o.variation.radii_m},
-            {"colors", o.variation.colors},
-            {"mass_sigma", o.variation.mass_sigma},
-            {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
-            {"lamp", pair(o.variation.lamp)},
-            {"shade", pair(o.variation.shade)},
-            {"worlds", worlds},
-            {"density", pair(o.variation.density)},
-            {"max_obstacles", o.variation.max_obstacles},
-            {"goal_distance_m", pair(o.variation.goal_distance_m)}};
+            {"seed", o.seed}};
+  BackendOptions robot = o.backend;
+  OptionJsonWriter writer(json);
+  robot.visit_mcu(writer);
+  robot.visit_image(writer);
+  robot.visit_sensors(writer);
+  robot.visit_eyes(writer);
+  robot.visit_dynamics(writer);
+  json.update(Json{{"friction", pair(o.variation.friction)},
+                   {"supply_volts", pair(o.variation.supply_volts)},
+                   {"ball_distance_m", pair(o.variation.ball_distance_m)},
+                   {"bearing_deg", o.variation.bearing_deg},
+                   {"radii_m", o.variation.radii_m},
+                   {"colors", o.variation.colors},
+                   {"mass_sigma", o.variation.mass_sigma},
+                   {"lamp_height_deg", pair(o.variation.lamp_height_deg)},
+                   {"lamp", pair(o.variation.lamp)},
+                   {"shade", pair(o.variation.shade)},
+                   {"worlds", worlds},
+                   {"density", pair(o.variation.density)},
+                   {"max_obstacles", o.variation.max_obstacles},
+                   {"goal_distance_m", pair(o.variation.goal_distance_m)}});
   if (!o.judged_as.empty()) json["judged_as"] = o.judged_as;
   if (o.calibrated) json["calibrated"] = true;
   if (const Pushes& pushes = o.variation.pushes; pushes.impulse_ns > 0)

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "shared/base/files.hpp"
+#include "tools/eval/campaign.h"
 #include "tools/eval/episode_file.h"
 #include "tools/eval/parts.h"
 #include "tools/eval/scenario.h"
@@ -29,6 +30,15 @@ Json episode(std::uint64_t number, bool success, double seconds, const std::stri
           {"rtf", 2.0},
           {"measurements", {{"error_m", 0.01 * static_cast<double>(number)}}},
           {"truth", {{"fell", cause == "fell"}}}};
+}
+
+TEST(Campaign, WritesTheOptionsOfTheRobotInAFixedOrder) {
+  const std::string text = campaign_json({}).dump();
+  EXPECT_TRUE(text.starts_with(
+      R"({"behavior":"","settings":{},"realtime":false,"seed":1,"mcu":"h8","image":"",)"
+      R"("sensors":"nominal","imu":false,"eyes":"ideal","eye_width":0,"renderer":"raster",)"
+      R"("dynamics":"reduced","physics_step_ms":1.0,"friction":[)"))
+      << text;
 }
 
 TEST(Scenario, OfASeedIsTheSameEachTimeAndWithinItsBounds) {

@@ -8,6 +8,7 @@
 
 #include "host/behavior/plugin.h"
 #include "host/behavior/pose_request.h"
+#include "tools/run/option_json.h"
 #include "tools/run/robot_joints.h"
 #include "tools/run/run_report.h"
 #include "tools/vision/color_file.h"
@@ -16,23 +17,10 @@ namespace kaz::tools {
 namespace {
 
 // The virtual robot, as one JSON object.
-std::string robot_facts(const BackendOptions& backend) {
-  nlohmann::ordered_json robot{{"world", backend.world},
-                               {"robot_file", backend.robot_file},
-                               {"mcu", to_string(backend.mcu)},
-                               {"image", backend.image},
-                               {"sensors", to_string(backend.sensors)},
-                               {"imu", backend.imu},
-                               {"dynamics", backend.dynamics},
-                               {"physics_step_ms", backend.physics_step_ms},
-                               {"eyes", to_string(backend.eyes)},
-                               {"eye_width", backend.eye_width},
-                               {"renderer", to_string(backend.renderer)},
-                               {"supply_volts", backend.supply_volts},
-                               {"seed", backend.seed}};
-  if (!backend.memory.empty()) robot["memory"] = backend.memory;
-  if (backend.suspended) robot["suspended"] = true;
-  if (!backend.joints.empty()) robot["joints"] = backend.joints;
+std::string robot_facts(BackendOptions backend) {
+  nlohmann::ordered_json robot;
+  OptionJsonWriter writer(robot);
+  backend.visit(writer);
   return robot.dump();
 }
 

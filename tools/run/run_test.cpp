@@ -1,10 +1,13 @@
-// The results of a run are written only if the observer keeps them.
+// The plan of a run, and results that are written only if the observer keeps them.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/run/run.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "shared/base/files.hpp"
 
@@ -44,6 +47,24 @@ TEST(Run, WritesResultsOfARunThatIsWorthKeeping) {
     EXPECT_FALSE(fs::exists(folder + "/out/recording.mcap.part"));
     fs::remove_all(folder);
   }
+}
+
+TEST(RunPlan, WritesTheOptionsOfTheRobotInAFixedOrder) {
+  RunOptions options;
+  options.behavior = "stand";
+  options.backend.memory = "ff";
+  options.backend.suspended = true;
+  const auto plan = RunPlan::make(options);
+  ASSERT_TRUE(plan) << plan.error().message;
+  const auto& facts = plan->backend().facts;
+  const auto fact =
+      std::ranges::find(facts, "backend", &std::pair<std::string, std::string>::first);
+  ASSERT_NE(fact, facts.end());
+  EXPECT_EQ(fact->second,
+            R"({"world":"ball","robot_file":"","mcu":"h8","image":"","sensors":"nominal",)"
+            R"("imu":false,"dynamics":"reduced","physics_step_ms":1.0,"eyes":"ideal",)"
+            R"("eye_width":0,"renderer":"raster","supply_volts":10.0,"seed":1,"memory":"ff",)"
+            R"("suspended":true})");
 }
 
 }  // namespace
