@@ -170,6 +170,40 @@ std::string bytes_of(const std::string& hex) {
   return bytes;
 }
 
+// Archive (robot_options.h) that appends options to a command line, which must outlive the archive.
+class CommandLineWriter {
+ public:
+  explicit CommandLineWriter(std::vector<std::string>& to) : to_(to) {}
+
+  template <class T, std::size_t N>
+  void choice(const sim::OptionText& text, const T& value, const std::array<T, N>&) {
+    put(text, to_string(value));
+  }
+  void flag(const sim::OptionText& text, bool value) {
+    if (value) to_.emplace_back(text.option);
+  }
+  void line(const sim::OptionText& text, const std::string& value) {
+    if (text.option != nullptr && !value.empty()) put(text, value);
+  }
+  void lines(const sim::OptionText&, const std::vector<std::string>&) {}
+  void number(const sim::OptionText& text, double value) { put(text, std::to_string(value)); }
+  void number(const sim::OptionText& text, double value, const sim::OptionRange&) {
+    number(text, value);
+  }
+  void whole(const sim::OptionText& text, std::uint64_t value) { put(text, std::to_string(value)); }
+  template <std::size_t N>
+  void size(const sim::OptionText& text, int value, const std::array<int, N>&) {
+    if (value != 0) put(text, std::to_string(value));
+  }
+
+ private:
+  void put(const sim::OptionText& text, const std::string& value) {
+    to_.insert(to_.end(), {text.option, value});
+  }
+
+  std::vector<std::string>& to_;
+};
+
 // Both programs' arguments.
 struct Commands {
   std::vector<std::string> simulator, behavior;
@@ -183,37 +217,22 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
     const auto color = KAZ_TRY(learned_ball_color(scenario, options.backend));
     KAZ_TRY(write_whole_file(color_file, color_json(color).dump(1) + "\n"));
   }
-  const BackendOptions& backend = options.backend;
+  BackendOptions robot = options.backend;
+  robot.world = files.world();
+  robot.robot_file = files.robot();
+  robot.seed = scenario.seed;
+  robot.supply_volts = scenario.supply_volts;
   // Short paths: a socket's has at most 107 characters.
   const std::string board = board_of(files), eyes = board + ".eyes";
-  Commands both{{"sim",
-                 "--serial",
-                 board,
-                 "--world",
-                 files.world(),
-                 "--robot-file",
-                 files.robot(),
-                 "--mcu",
-                 to_string(backend.mcu),
-                 "--eyes",
-                 to_string(backend.eyes),
-                 "--renderer",
-                 to_string(backend.renderer),
-                 "--sensors",
-                 to_string(backend.sensors),
-                 "--seed",
-                 std::to_string(scenario.seed),
-                 "--supply",
-                 std::to_string(scenario.supply_volts),
-                 "--record",
-                 folder + "/recording.mcap"},
+  Commands both{{"sim", "--serial", board, "--record", folder + "/recording.mcap"},
                 {"run", options.behavior, "--robot", "serial:" + board, "--json"}};
+  CommandLineWriter writer(both.simulator);
+  robot.visit(writer);
   if (sees) {
     both.simulator.insert(both.simulator.end(), {"--cameras", eyes});
     both.behavior.insert(both.behavior.end(), {"--camera", eyes, "--color", color_file, "--radius",
                                                std::to_string(scenario.ball_radius_m)});
   }
-  if (backend.imu) both.simulator.push_back("--imu");
   if (const auto memory = KAZ_TRY(episode_memory(options, scenario, files.robot()));
       !memory.empty()) {
     const std::string file = board + ".memory";
