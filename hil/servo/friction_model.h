@@ -29,8 +29,6 @@
 
 namespace kaz::hil {
 
-inline constexpr int kFrictionModels = 6;
-
 struct ServoParams {
   // The motor follows torque = kt I and voltage = R I + kt w. `armature` is the inertia of rotor and gear.
   double kt = 1;                                     // unit N m/A = V s/rad

@@ -31,8 +31,6 @@ struct BusJoint {
 
 class BusBoard {
  public:
-  static constexpr double kMaxSpeed = 12;  // largest speed limit that a joint can have, rad/s
-
   // Checks that each servo answers, has the configured model and is in position mode. `clock` must be the
   // clock of the link; both must outlive the board. Fails (environment) if a servo does not answer or rejects
   // a setting, or if a joint is more than 15 degrees outside its range. If servos do not answer, the message

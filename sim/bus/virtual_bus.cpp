@@ -84,11 +84,7 @@ Time VirtualBus::write(std::span<const std::uint8_t> bytes) {
 
 void VirtualBus::receive(const HalfDuplexLine::Received& received) {
   if (received.node == 0) {
-    if (received.stop_bit) {
-      received_.push_back({received.byte, received.at});
-    } else {
-      ++host_framing_errors_;
-    }
+    if (received.stop_bit) received_.push_back({received.byte, received.at});
     return;
   }
   VirtualServo& servo = *servos_[received.node - 1].servo;

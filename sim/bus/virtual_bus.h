@@ -52,7 +52,6 @@ class VirtualBus {
   // Returns the time at which the transmission of the last byte passed to write() ends. If the host is not
   // sending at time(), this end is not later than time().
   Time host_sends_until() const { return host_sends_until_; }
-  std::uint64_t host_framing_errors() const { return host_framing_errors_; }
 
   HalfDuplexLine& line() { return line_; }
   World& world() { return *world_; }
@@ -99,7 +98,6 @@ class VirtualBus {
   bool power_ = true;
   Time time_{}, next_step_, step_length_, host_sends_until_{};
   std::deque<HostByte> received_;
-  std::uint64_t host_framing_errors_ = 0;
 };
 
 }  // namespace kaz::sim

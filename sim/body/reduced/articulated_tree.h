@@ -105,7 +105,6 @@ class ArticulatedTree {
     int first = 0, end = 0;
   };
   Span span_of_link(int link) const { return fixed(index(link)).span; }
-  Span span_of_dof(int dof) const { return fixed(index(dof - root_dofs_ + 1)).span; }
   // Returns the coordinate of the parent link's joint. -1: the parent link is the root.
   int carrier_of_dof(int dof) const {
     return fixed(index(fixed(index(dof - root_dofs_ + 1)).parent)).dof;

@@ -20,12 +20,6 @@ inline double dot_six(const double* a, const double* b) {
   return (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5]);
 }
 
-// Returns the dot product of two vectors of length n. For n = 6 (a floating base or a free body), the
-// function uses unrolled code.
-inline double dot_range(const double* a, const double* b, int n) {
-  return n == 6 ? dot_six(a, b) : dot(a, b, n);
-}
-
 // Computes to[i] += by * from[i] for each i from 0 to n - 1. The two arrays must not overlap.
 inline void add_range(double by, const double* __restrict from, double* __restrict to, int n) {
   if (n == 6) {

@@ -122,8 +122,6 @@ class Machine final : public Bus {
     const States at = cpu.now + cpu.stall;
     return slow_from_ == kNever ? at : slow_from_ + (at - slow_from_) * slow_by_;
   }
-  // Returns whether the chip is in software standby, with all clocks but the subclock stopped.
-  bool in_standby() const { return standby_; }
   // Returns the time of the event being processed, otherwise time().
   States event_time() const { return processing_ != kNever ? processing_ : time(); }
   // Advances the timers that can drive pins.

@@ -30,7 +30,7 @@ Netlist::Netlist(Chip& chip, const Settings& settings) : chip_(chip), settings_(
   chip_.set_analog([this](int channel, States at) {
     const auto pin = channel < 8 ? pin_of(7, channel) : pin_of(6, channel - 8);
     const auto found = pin ? pins_.find(*pin) : pins_.end();
-    if (found == pins_.end()) return otherwise_ ? otherwise_(channel, at) : 0.0;
+    if (found == pins_.end()) return 0.0;
     return voltage(found->second, at).value_or(0);
   });
 }
@@ -94,10 +94,6 @@ void Netlist::source(Net net, double voltage, double ohms, const std::string& na
   class Source : public Part {};
   Part& part = add(std::make_unique<Source>());
   drive(output(part, net, name), voltage, ohms);
-}
-
-void Netlist::set_analog_otherwise(std::function<double(int, States)> source) {
-  otherwise_ = std::move(source);
 }
 
 int Netlist::output(const Part& part, Net net, const std::string& name) {

@@ -87,8 +87,6 @@ class Netlist {
   void source(Net net, double voltage, double ohms, const std::string& name);
   void pull_up(Net net, double ohms) { source(net, 1, ohms, "pull-up"); }
   void pull_down(Net net, double ohms) { source(net, 0, ohms, "pull-down"); }
-  // Sets the source of voltages for analog inputs that are not connected to a net.
-  void set_analog_otherwise(std::function<double(int channel, States at)> source);
 
   // Returns the voltage of a net; nullopt if the net is not driven. A strong drive overrides all other
   // drives. If strong drives conflict, the lowest voltage applies. Without a strong drive, the voltage is the
@@ -172,7 +170,6 @@ class Netlist {
   std::vector<int> watches_;
   std::deque<Net> dirty_;
   std::vector<Conflict> conflicts_;
-  std::function<double(int, States)> otherwise_;
   bool inside_ = false;
   States at_ = 0;
 };

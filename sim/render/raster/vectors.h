@@ -283,9 +283,6 @@ KAZ_LANES_INLINE Ints gather_pairs(const std::uint16_t* from, Ints index) {
 KAZ_LANES_INLINE bool any(Ints mask) {
   return mask_bits(mask) != 0;
 }
-KAZ_LANES_INLINE Floats gather_float(const float* from, Ints index) {
-  return (Floats)gather(from, index);
-}
 
 }  // namespace kaz::sim::raster::KAZ_RASTER_SET
 KAZ_RASTER_END
