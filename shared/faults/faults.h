@@ -1,4 +1,4 @@
-// Injected faults: the kinds of faults, schedules as text, and random schedules.
+// Injected faults: the kinds of faults, and schedules as text.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Simulator, tests and real ports share one list of fault kinds (faults.def). Real ports support only some
@@ -11,7 +11,6 @@
 // Times count from the start of the simulation. For a real port, times count from the opening of the port.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -121,16 +120,7 @@ class Schedule {
   std::vector<Fault> faults_;
 };
 
-struct RandomOptions {
-  Time length = std::chrono::seconds(10);         // all faults begin within this time
-  double per_second = 1;                          // mean rate of faults, 1/s
-  Time longest = std::chrono::milliseconds(500);  // maximum duration of a fault
-  // Each `true` permits one group of faults: faults of the line, of joints, or of the board's power.
-  bool line = true, joints = true, power = true;
-};
 // Returns a message which states that `faults` never began. If `faults` is empty, returns an empty text.
 std::string not_begun_text(std::span<const Fault> faults);
-// Draws a schedule. The same seed and options give the same schedule.
-Schedule random_schedule(std::uint64_t seed, const RandomOptions& options);
 
 }  // namespace kaz::faults

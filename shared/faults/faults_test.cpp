@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
-
 #include "shared/faults/link_faults.h"
 
 namespace kaz::faults {
@@ -106,21 +104,6 @@ TEST(Faults, EveryKindComesBackFromItsText) {
       EXPECT_EQ(fault.is_possible(), kind.target == Target::joint ? is_joint : joint == -1);
     }
   }
-}
-
-TEST(Faults, RandomSchedulesComeFromTheirSeedAndBackFromTheirText) {
-  const RandomOptions options{.length = seconds(100), .per_second = 5};
-  const Schedule one = random_schedule(7, options);
-  EXPECT_EQ(one.text(), random_schedule(7, options).text());
-  EXPECT_NE(one.text(), random_schedule(8, options).text());
-  EXPECT_NEAR(static_cast<double>(one.faults().size()), 500, 100);
-  std::set<Name> names;
-  for (const Fault& fault : one.faults()) names.insert(fault.name);
-  EXPECT_EQ(names.size(), kinds().size());
-  const auto again = Schedule::parse(one.text(), "text");
-  ASSERT_TRUE(again);
-  EXPECT_TRUE(std::equal(one.faults().begin(), one.faults().end(), again->faults().begin(),
-                         again->faults().end()));
 }
 
 TEST(Faults, WhatOnlyTheSimulatorDoesIsNamed) {
