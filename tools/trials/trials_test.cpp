@@ -1,14 +1,11 @@
-// Statistics against published values, robot folders, parallel jobs and their errors.
+// Statistics against published values, and robot folders.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "tools/trials/robot_folder.h"
-#include "tools/trials/run_jobs.h"
 #include "tools/trials/statistics.h"
 
 namespace kaz::trials {
@@ -92,28 +89,6 @@ TEST(RobotFolder, IsRemovedWithTheObjectAndNamesAMissingFile) {
   const auto none = RobotFolder::make("nowhere", {}, "");
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message.find("nowhere/kaz.urdf"), std::string::npos);
-}
-
-TEST(RunJobs, RunsEachJobOnceAndStopsAtTheFirstError) {
-  std::set<std::size_t> done;
-  EXPECT_TRUE(run_jobs(50, 3, [&](std::size_t i) {
-    return [&done, i]() -> Result<void> {
-      EXPECT_TRUE(done.insert(i).second);
-      return {};
-    };
-  }));
-  EXPECT_EQ(done.size(), 50U);
-  std::atomic<int> begun = 0;
-  const auto failed = run_jobs(1000, 2, [&](std::size_t i) {
-    ++begun;
-    return [i]() -> Result<void> {
-      if (i == 3) return fail(Fault::usage, "the fourth");
-      return {};
-    };
-  });
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().message, "the fourth");
-  EXPECT_LT(begun, 1000);
 }
 
 }  // namespace

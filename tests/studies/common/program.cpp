@@ -13,7 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "shared/base/files.hpp"
-#include "tools/trials/run_jobs.h"
+#include "tests/studies/common/run_jobs.h"
 
 namespace kaz::studies {
 namespace {
@@ -80,7 +80,7 @@ Result<void> run_missing(const EpisodeStudy& study, const EpisodeOptions& option
                          EpisodeFile& file) {
   const std::vector<Job> jobs = missing(study, options, file);
   std::size_t done = 0;
-  return trials::run_jobs(jobs.size(), options.jobs, [&](std::size_t i) {
+  return run_jobs(jobs.size(), options.jobs, [&](std::size_t i) {
     const Job& job = jobs[i];
     return [&, &job = job, outcome = study.run(job.row, job.key)]() -> Result<void> {
       // Wrong settings are wrong for all episodes.

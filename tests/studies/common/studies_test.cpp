@@ -1,4 +1,4 @@
-// Tables, provenance, options and resumed files of the study programs.
+// Tables, provenance, options, resumed files and parallel jobs of the study programs.
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <CLI/CLI.hpp>
 
 #include "shared/base/files.hpp"
 #include "tests/studies/common/program.h"
+#include "tests/studies/common/run_jobs.h"
 #include "tests/studies/common/table.h"
 
 namespace kaz::studies {
@@ -166,6 +168,28 @@ TEST(EpisodeFile, KeepsOutcomesAndNeverMixesMotors) {
   EXPECT_FALSE(EpisodeFile::open(path, "ideal")) << "of other motors";
   std::ofstream(path, std::ios::app) << "{}\n";
   EXPECT_FALSE(EpisodeFile::open(path, "product"));
+}
+
+TEST(RunJobs, RunsEachJobOnceAndStopsAtTheFirstError) {
+  std::set<std::size_t> done;
+  EXPECT_TRUE(run_jobs(50, 3, [&](std::size_t i) {
+    return [&done, i]() -> Result<void> {
+      EXPECT_TRUE(done.insert(i).second);
+      return {};
+    };
+  }));
+  EXPECT_EQ(done.size(), 50U);
+  std::atomic<int> begun = 0;
+  const auto failed = run_jobs(1000, 2, [&](std::size_t i) {
+    ++begun;
+    return [i]() -> Result<void> {
+      if (i == 3) return fail(Fault::usage, "the fourth");
+      return {};
+    };
+  });
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().message, "the fourth");
+  EXPECT_LT(begun, 1000);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "shared/base/result.hpp"
 
-namespace kaz::trials {
+namespace kaz::studies {
 
 // Calls work(i) once for each i in 0..count-1, on `threads` threads. work() returns a function that stores
 // the result and reports progress. A lock ensures that only one of these functions runs at a time. If such a
@@ -15,4 +15,4 @@ namespace kaz::trials {
 Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work);
 
-}  // namespace kaz::trials
+}  // namespace kaz::studies

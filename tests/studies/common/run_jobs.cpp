@@ -1,13 +1,13 @@
 // Runs independent jobs on several threads.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/trials/run_jobs.h"
+#include "tests/studies/common/run_jobs.h"
 
 #include <atomic>
 #include <mutex>
 #include <thread>
 #include <vector>
 
-namespace kaz::trials {
+namespace kaz::studies {
 
 Result<void> run_jobs(std::size_t count, int threads,
                       const std::function<std::function<Result<void>()>(std::size_t)>& work) {
@@ -31,4 +31,4 @@ Result<void> run_jobs(std::size_t count, int threads,
   return result;
 }
 
-}  // namespace kaz::trials
+}  // namespace kaz::studies
