@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/flash/flasher.h"
-#include "tools/lockstep/flash_bench.h"
+#include "tools/lockstep/flash_bench_testing.h"
 
 namespace {
 

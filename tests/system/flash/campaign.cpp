@@ -17,7 +17,7 @@
 
 #include "host/flash/flasher.h"
 #include "tests/system/flash/variant_testing.h"
-#include "tools/lockstep/flash_bench.h"
+#include "tools/lockstep/flash_bench_testing.h"
 
 namespace kaz::flash_test {
 namespace {

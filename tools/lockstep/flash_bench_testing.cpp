@@ -1,6 +1,6 @@
 // The bench: steps of an eighth of a millisecond.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/lockstep/flash_bench.h"
+#include "tools/lockstep/flash_bench_testing.h"
 
 #include <algorithm>
 
