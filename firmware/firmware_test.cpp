@@ -17,7 +17,7 @@
 #include "sim/h8s/chip/chip.h"
 #include "sim/mcu/h8_layout.h"
 #include "sim/mcu/h8_mcu.h"
-#include "sim/mcu/walking_load.h"
+#include "sim/mcu/walking_load_testing.h"
 
 namespace kaz::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "sim/mcu/h8_mcu.h"
-#include "sim/mcu/walking_load.h"
+#include "sim/mcu/walking_load_testing.h"
 #include "tools/benchmark/benchmark.h"
 #include "tools/benchmark/engines.h"
 

@@ -8,7 +8,7 @@
 #include "sim/mcu/h8_mcu.h"
 #include "sim/runtime/simulation/world_testing.h"
 #include "tools/lockstep/lockstep.h"
-#include "tools/lockstep/wire_load.h"
+#include "tools/lockstep/wire_load_testing.h"
 
 namespace {
 

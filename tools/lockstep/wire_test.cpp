@@ -1,7 +1,7 @@
 // The claim: at 115,200 baud all 18 targets out and 18 positions back at 100 Hz, with at most 60 %
 // of the wire in either direction. With the firmware emulated and with its code on the PC.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/lockstep/wire_load.h"
+#include "tools/lockstep/wire_load_testing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The walking load: a host's requests, and motors without inertia.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/mcu/walking_load.h"
+#include "sim/mcu/walking_load_testing.h"
 
 #include <algorithm>
 #include <cmath>

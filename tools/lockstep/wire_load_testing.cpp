@@ -1,6 +1,6 @@
 // Runs control cycles at a rate, sent ahead of their replies, and counts them.
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/lockstep/wire_load.h"
+#include "tools/lockstep/wire_load_testing.h"
 
 #include <algorithm>
 #include <cmath>
