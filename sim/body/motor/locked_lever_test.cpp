@@ -1,14 +1,68 @@
 // The paper's two torques, read from a locked lever.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/body/motor/locked_lever.h"
-
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include <gtest/gtest.h>
+
+#include "sim/body/motor/joint_motor.h"
 #include "sim/body/motor/motor_testing.h"
 
 namespace kaz::sim {
 namespace {
+
+// Locked-rotor test: the output shaft of the motor is held by a lever.
+struct LockedLever {
+  double duty = 1;
+  double supply_volts = 10;  // open-circuit voltage of the source
+  double supply_ohms = 0;    // resistance between source and driver
+  // Duration of the test. The motor starts cold and at rest. The driving flank of the gear is in contact from
+  // the start.
+  double seconds = 0.05;
+  // True: the drive is switched off 100 ms before the end of the test, and on again 50 ms later. Reason:
+  // while a motor heats up, its torque falls. Without the pause, static friction would hold the rotor. Then
+  // the lever would measure the higher torque of the cold motor until the end of the test. The pause releases
+  // the rotor. After the pause, the lever measures the torque that the warm motor can apply.
+  bool anew = false;
+};
+
+struct LeverReading {
+  double torque_nm = 0;
+  double terminal_volts = 0;  // voltage at the driver, under load
+  double supply_amperes = 0;
+  double winding_celsius = 0;
+};
+
+// Runs the test in steps of 1 ms, like a simulation of the robot. Returns the readings at the end of the
+// test.
+LeverReading measure_locked_lever(const MotorParams& params, const LockedLever& bench) {
+  constexpr double step_s = 1e-3;
+  JointMotor motor(params, step_s);
+  JointMotor::State state = motor.state();
+  state.stopped = false;
+  state.rotor_angle = std::copysign(0.5 * params.backlash_rad, bench.duty);
+  motor.set_state(state);
+  MotorDrive drive;
+  drive.powered = true;
+  LeverReading reading;
+  const long steps = std::lround(bench.seconds / step_s);
+  for (long i = 0; i < steps; ++i) {
+    const bool off = bench.anew && i >= steps - 100 && i < steps - 50;
+    drive.duty = off ? 0 : bench.duty;
+    // Shaft at rest: V = V_source - R_supply I with I = duty^2 V / R_motor, so V = V_source / (1 + R_supply
+    // duty^2 / R_motor). The driver limits V to max_supply_v, above which I stays constant.
+    const double duty_ohms = bench.supply_ohms * drive.duty * drive.duty / motor.resistance_ohm();
+    reading.terminal_volts = std::max(bench.supply_volts / (1 + duty_ohms),
+                                      bench.supply_volts - duty_ohms * params.max_supply_v);
+    const JointMotor::Row row = motor.prepare(drive, reading.terminal_volts, 0, 0);
+    reading.torque_nm = std::clamp(row.velocity / row.softness, row.min, row.max);
+    motor.finish(0, reading.torque_nm);
+  }
+  reading.supply_amperes = motor.supply_current();
+  reading.winding_celsius = motor.winding_celsius();
+  return reading;
+}
 
 constexpr double kRobotOhms = 0.15;  // battery, switch and wires (sim/board)
 
