@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "host/behavior/behavior.h"
-#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
+#include "kaz_interface.h"  // made by tools/repo/gen/source_id.py
 
 #define KAZ_PLUGIN_TEXT_OF(number) #number
 #define KAZ_PLUGIN_TEXT(number) KAZ_PLUGIN_TEXT_OF(number)

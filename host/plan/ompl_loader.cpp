@@ -1,7 +1,7 @@
 // Loads the module with OMPL's planner.
 // SPDX-License-Identifier: Apache-2.0
 #include "host/plan/ompl_module.h"
-#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
+#include "kaz_interface.h"  // made by tools/repo/gen/source_id.py
 #include "shared/base/module.hpp"
 
 namespace kaz::plan {

@@ -1,6 +1,6 @@
 // Loads the module with the reader of worlds, and reads worlds with it.
 // SPDX-License-Identifier: Apache-2.0
-#include "kaz_interface.h"  // made by tools/repo/gen/interface_id.py
+#include "kaz_interface.h"  // made by tools/repo/gen/source_id.py
 #include "shared/base/module.hpp"
 #include "tools/cli/world_module.h"
 

@@ -10,11 +10,11 @@ list(APPEND interface_headers ${PROJECT_SOURCE_DIR}/shared/robot/kaz/kaz.urdf)  
 list(APPEND interface_headers ${PROJECT_SOURCE_DIR}/sim/body/description/rigid_link.h
   ${PROJECT_SOURCE_DIR}/sim/body/description/scene.h ${PROJECT_SOURCE_DIR}/sim/body/description/world_model.h
   ${PROJECT_SOURCE_DIR}/tools/cli/world_module.h)
-set(interface_script ${PROJECT_SOURCE_DIR}/tools/repo/gen/interface_id.py)
+set(interface_script ${PROJECT_SOURCE_DIR}/tools/repo/gen/source_id.py)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_custom_command(
   OUTPUT ${KAZ_INTERFACE_HEADER}
-  COMMAND Python3::Interpreter -B ${interface_script} ${PROJECT_SOURCE_DIR} ${KAZ_INTERFACE_HEADER}
+  COMMAND Python3::Interpreter -B ${interface_script} interface ${PROJECT_SOURCE_DIR} ${KAZ_INTERFACE_HEADER}
           ${interface_headers}
   DEPENDS ${interface_script} ${interface_headers}
   COMMENT "Interface id of plug-ins" VERBATIM)
