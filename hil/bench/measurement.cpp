@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <set>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
 // Cases of both families: registers one by one, by the corpus.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <set>
 
 #include "hil/bus/bus_suite.h"
 

@@ -4,7 +4,6 @@
 // Failed checks throw Failed. A lost port or an interrupt throws Lost (hil/report/check.h).
 #pragma once
 
-#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>

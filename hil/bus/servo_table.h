@@ -6,7 +6,6 @@
 // drivers and virtual servos.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

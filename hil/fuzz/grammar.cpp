@@ -3,7 +3,6 @@
 #include "hil/fuzz/grammar.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "hil/fuzz/requests.h"
 #include "shared/base/hex_text.hpp"

@@ -25,7 +25,6 @@
 #include <array>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace kaz::hil {
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
 #include "host/behavior/control_cycle.h"
 #include "host/motion/motion.h"

@@ -8,7 +8,6 @@
 // telemetry, raw drive or the loader, and requests that write calibration or address, are refused.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>

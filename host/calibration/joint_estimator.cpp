@@ -7,8 +7,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "shared/base/angle.hpp"
-
 namespace kaz::calibration {
 
 namespace {

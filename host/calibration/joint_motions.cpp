@@ -3,7 +3,6 @@
 #include "host/calibration/joint_motions.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "shared/base/angle.hpp"
 

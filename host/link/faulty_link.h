@@ -8,7 +8,6 @@
 #pragma once
 
 #include <deque>
-#include <vector>
 
 #include "host/link/link.h"
 #include "shared/faults/link_faults.h"

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include "host/link/wall_clock.h"
 
 namespace kaz::host {

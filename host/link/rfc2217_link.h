@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "host/link/byte_stream.h"
 #include "host/link/port_link.h"

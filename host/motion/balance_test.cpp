@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "host/motion/motion.h"
 #include "shared/base/random.hpp"

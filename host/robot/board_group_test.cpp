@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "host/link/board_testing.h"
 #include "host/robot/robot.h"

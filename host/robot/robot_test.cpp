@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "host/robot/robot_testing.h"
 #include "shared/base/angle.hpp"
 #include "shared/protocol/frame.h"

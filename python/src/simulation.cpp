@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "python/src/arguments.h"
-#include "shared/board/board.h"
 #include "shared/faults/faults.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/render/camera.h"

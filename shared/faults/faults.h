@@ -11,7 +11,6 @@
 // Times count from the start of the simulation. For a real port, times count from the opening of the port.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

@@ -10,7 +10,6 @@
 #include <array>
 #include <optional>
 #include <random>
-#include <vector>
 
 #include "shared/protocol/messages.h"
 

@@ -3,7 +3,6 @@
 #include "sim/mcu/compare.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>

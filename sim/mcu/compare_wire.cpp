@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <deque>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "shared/base/counted.hpp"

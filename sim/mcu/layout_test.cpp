@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 
 #include "shared/base/random.hpp"
 #include "sim/mcu/h8_layout.h"

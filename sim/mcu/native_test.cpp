@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "sim/mcu/host_testing.h"
 #include "sim/mcu/native_mcu.h"
 

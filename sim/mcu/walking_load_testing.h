@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"

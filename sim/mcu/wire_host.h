@@ -11,7 +11,6 @@
 // long the CPU is busy (wire_differences.h).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>

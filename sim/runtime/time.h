@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-
 #include "shared/base/time.hpp"
 #include "shared/board/board.h"
 #include "sim/mcu/mcu.h"

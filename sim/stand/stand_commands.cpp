@@ -3,7 +3,6 @@
 #include "sim/stand/stand_commands.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>

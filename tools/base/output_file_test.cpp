@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
 
 #include "shared/base/files.hpp"
 #include "tools/base/interrupt_signals.h"

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <fstream>
 #include <string>
-#include <string_view>
 #include <thread>
 
 #include <nlohmann/json.hpp>

@@ -10,7 +10,6 @@
 #include "host/robot/control_socket.h"
 #include "shared/base/bounded_json.hpp"
 #include "tools/base/arguments.h"
-#include "tools/base/interrupt_signals.h"
 #include "tools/base/prompt.h"
 #include "tools/base/time_lost.h"
 #include "tools/lockstep/stand_backend.h"

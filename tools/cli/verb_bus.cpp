@@ -1,6 +1,5 @@
 // `kaz bus`: servos of Feetech's and ROBOTIS's on a serial line.
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <memory>
 #include <string>
 

@@ -1,11 +1,8 @@
 // `kaz eyes`: what both eyes and an onlooker see, as pictures.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <string>
 
-#include "sim/render/camera.h"
 #include "sim/render/sensor/sensor.h"
-#include "tools/base/output.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/drawing/figure.h"

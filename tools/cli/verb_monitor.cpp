@@ -1,7 +1,6 @@
 // `kaz monitor`: 18 joints, supply, tick and link in a terminal, and keys to move them.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <string>
 
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"

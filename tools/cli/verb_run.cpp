@@ -1,7 +1,6 @@
 // `kaz run`: one behavior on a real or virtual robot.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>

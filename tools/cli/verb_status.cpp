@@ -1,7 +1,6 @@
 // `kaz status`: prints a board's state. Reads only; moves and changes nothing.
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <string>
 
 #include "tools/board/board_status.h"
 #include "tools/cli/options.h"

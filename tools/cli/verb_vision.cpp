@@ -1,7 +1,6 @@
 // `kaz vision`: colours learned from a picture, and vision on recorded pictures.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <filesystem>
 
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"

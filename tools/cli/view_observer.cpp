@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/cli/view_observer.h"
 
-#include <functional>
 #include <string>
 
 #include "tools/drawing/vision_views.h"

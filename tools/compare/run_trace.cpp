@@ -3,7 +3,6 @@
 #include "tools/compare/run_trace.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>

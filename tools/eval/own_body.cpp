@@ -3,7 +3,6 @@
 #include "tools/eval/own_body.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "sim/render/model/mesh.h"

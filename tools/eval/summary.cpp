@@ -13,7 +13,6 @@
 #include "shared/base/one_line.hpp"
 #include "tools/base/output.h"
 #include "tools/base/provenance.h"
-#include "tools/drawing/figure.h"
 #include "tools/eval/breakdown.h"
 #include "tools/eval/campaign.h"
 #include "tools/trials/statistics.h"

@@ -3,7 +3,6 @@
 #include "tools/eval/way_watch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace kaz::tools {

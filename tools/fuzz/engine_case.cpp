@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "hil/fuzz/tick_judge.h"
 #include "host/link/interruptible.h"

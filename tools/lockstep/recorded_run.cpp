@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <span>
 #include <sstream>
 
 #include "shared/base/number_text.hpp"

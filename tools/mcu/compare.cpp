@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/mcu/compare.h"
 
-#include <cstdio>
 #include <map>
 #include <string>
 

@@ -3,7 +3,6 @@
 #include "tools/replay/replay.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <span>
 

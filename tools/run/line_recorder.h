@@ -10,7 +10,6 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <vector>
 
 #include "host/link/link.h"
 #include "sim/runtime/simulation/recorder.h"

@@ -10,7 +10,6 @@
 #include <optional>
 #include <set>
 #include <thread>
-#include <vector>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>

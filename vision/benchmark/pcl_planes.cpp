@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
-#include <limits>
 #include <vector>
 
 #include <pcl/features/integral_image_normal.h>

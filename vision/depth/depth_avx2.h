@@ -7,8 +7,6 @@
 
 #include <immintrin.h>
 
-#include <cstdint>
-
 #define KAZ_AVX2 [[gnu::target("avx2,popcnt,bmi")]]
 #define KAZ_AVX2_INLINE [[gnu::target("avx2,popcnt,bmi"), gnu::always_inline]] inline
 

@@ -3,7 +3,6 @@
 #include "vision/depth/depth_filter.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdlib>
 
 #include "vision/depth/depth_avx2.h"

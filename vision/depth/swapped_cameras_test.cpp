@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "vision/depth/stereo_testing.h"
 
 namespace kaz::vision {

@@ -9,12 +9,10 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <future>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>

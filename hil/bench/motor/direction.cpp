@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "hil/bench/motor/motor_bench.h"
-#include "hil/bench/samples.h"
 
 namespace kaz::hil {
 namespace {

@@ -5,7 +5,6 @@
 // their parent link; RobotModel::frames still lists their frames.
 #pragma once
 
-#include <array>
 #include <map>
 #include <string>
 #include <vector>

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <random>
 
 #include "shared/servo/board_testing.h"
 #include "shared/servo/joint_loop.h"

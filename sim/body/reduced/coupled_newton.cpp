@@ -16,7 +16,6 @@
 //
 // The merit function may have a local minimum that is no zero, where many contacts change between sticking,
 // slipping and open: then friction_path.cpp.
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>

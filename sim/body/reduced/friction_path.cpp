@@ -19,7 +19,6 @@
 // equations", Mathematics of Operations Research 1(1), 1976).
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>

@@ -1,7 +1,6 @@
 // The whole robot: it stands, moves by its motors alone, and two runs are equal.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "shared/base/angle.hpp"

@@ -1,7 +1,6 @@
 // Boot mode: bit rate, replies, echo, erase check, start; each unconfirmed property with both options.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <memory>
 
 #include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/line_rate.h"

@@ -1,6 +1,5 @@
 // The four 8-bit timers: clocks, clears, outputs, coincidences, pulse measurement, to the state.
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 
 #include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/chip/timer8.h"

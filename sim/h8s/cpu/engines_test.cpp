@@ -1,7 +1,6 @@
 // The three engines held against each other: random programs cut into random slices.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <random>

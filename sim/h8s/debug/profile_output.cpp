@@ -1,7 +1,6 @@
 // A profile as a table, as JSON and for KCachegrind.
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <set>
 
 #include "sim/h8s/debug/profile.h"
 

@@ -3,7 +3,6 @@
 #include "sim/h8s/translate/form.h"
 
 #include <map>
-#include <string>
 #include <string_view>
 #include <vector>
 

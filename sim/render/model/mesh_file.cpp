@@ -6,7 +6,6 @@
 // are ignored.
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string_view>

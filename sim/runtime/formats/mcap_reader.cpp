@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <span>
 
 #include "shared/base/files.hpp"
 #include "sim/runtime/formats/little_endian.h"

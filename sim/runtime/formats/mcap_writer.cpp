@@ -13,7 +13,6 @@
 #include "shared/base/files.hpp"
 #include "shared/base/hex_text.hpp"
 #include "sim/runtime/formats/little_endian.h"
-#include "sim/runtime/formats/sha256.h"
 
 namespace kaz::sim {
 namespace {

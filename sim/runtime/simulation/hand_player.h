@@ -13,10 +13,8 @@
 // the same options, and take() returns the same lines in the same steps, the runs are identical.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>

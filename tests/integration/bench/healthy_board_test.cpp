@@ -1,6 +1,5 @@
 // A healthy virtual board passes all measurements of link and tick, and no motor goes on.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <memory>
 
 #include "hil/bench/report.h"

@@ -1,6 +1,5 @@
 // `bench fit` finds what was altered in a motor from what the bench has measured.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 
 #include "tests/integration/bench/motor_testing.h"
 #include "tools/lockstep/motor_fit.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <string>
 
 #include "tests/integration/vision/rendered_scene_testing.h"
 #include "vision/depth/depth.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <numbers>
-#include <string>
 
 #include "tests/integration/vision/rendered_scene_testing.h"
 #include "vision/planes/plane_segments.h"

@@ -1,6 +1,5 @@
 // A shoe on a lever that brakes a plank: friction changes the normal force that bounds it.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 
 #include "tests/studies/dynamics_table/scene.h"
 

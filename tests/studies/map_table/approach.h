@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "shared/base/result.hpp"
 #include "sim/render/renderer_kind.h"

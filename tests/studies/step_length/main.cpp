@@ -1,6 +1,5 @@
 // step_length: deviation of standing, stepping and a rolling ball by the length of the physics step.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <cstdio>
 
 #include <CLI/CLI.hpp>

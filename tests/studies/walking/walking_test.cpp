@@ -1,6 +1,5 @@
 // A few episodes of the walking behaviors through host, wire and emulated firmware; and the scoring.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <cstdio>
 
 #include <gtest/gtest.h>

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
 
 #include "shared/board/board.h"
 #include "sim/mcu/h8_mcu.h"

@@ -1,7 +1,6 @@
 // `kaz replay --video`: a film of a recording, by ffmpeg or by a program in its place.
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <thread>
 

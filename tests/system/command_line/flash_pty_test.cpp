@@ -6,7 +6,6 @@
 // image runs, and every reported success is one. tests/flash has the other 500, in simulated time.
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <random>
 #include <thread>

@@ -8,7 +8,6 @@
 #include <cctype>
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <regex>
 #include <sstream>
 #include <string>

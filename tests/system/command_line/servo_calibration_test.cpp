@@ -1,6 +1,5 @@
 // `kaz calibrate joints` on a bus: joints turned by hand, offsets against the wrap of positions, bus.json.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,5 @@
 // A ball in the hand stays there while the arm moves.
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <cstdio>
 
 #include "tests/system/virtual_robot/robot_testing.h"

@@ -6,7 +6,6 @@
 #include <iomanip>
 #include <limits>
 #include <sstream>
-#include <vector>
 
 #include <Eigen/Geometry>
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "shared/flash/protocol.h"
 #include "tools/fuzz/flash_writer/writer_board.h"

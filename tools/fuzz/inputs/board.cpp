@@ -1,7 +1,6 @@
 // What a board or a simulation is started from: memories, saved states; and arguments.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "hil/fuzz/choices.h"

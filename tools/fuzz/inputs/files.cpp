@@ -1,6 +1,5 @@
 // Files of text: motors, sensors, cameras, faults.
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <cmath>
 
 #include "host/motion/pose_sequence.h"

@@ -9,7 +9,6 @@
 #include "host/link/board_testing.h"
 #include "host/robot/robot.h"
 #include "shared/protocol/frame.h"
-#include "tools/fuzz/inputs/input.h"
 #include "tools/fuzz/inputs/targets.h"
 
 namespace kaz::fuzz {

@@ -1,6 +1,5 @@
 // A plug-in that calls each library whose headers it may use, also what the program itself does not call.
 // SPDX-License-Identifier: Apache-2.0
-#include <string_view>
 
 #include "host/behavior/composition.h"
 #include "host/behavior/plugin.h"
