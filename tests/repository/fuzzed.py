@@ -27,7 +27,7 @@ ROOT = pathlib.Path(sys.argv[1])
 FOLDERS = [path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".")
            and path.name not in ("build", "debian", "docs", "out", "tests")]
 SUFFIXES = (".c", ".h", ".cpp", ".hpp", ".cc", ".cxx", ".hh", ".inl")
-TESTS = re.compile(r"_(?:test|benchmark)\.(?:c|cpp|h)$|_testing\.|_example\.cpp$|/testdata/|/oracle"
+TESTS = re.compile(r"_(?:test|benchmark)\.(?:c|cpp|h)$|_testing\.|_example\.cpp$|/testdata/"
                    r"|^python/tests/|^tools/(?:benchmark|fuzz)/|^sim/h8s/(?:fuzz|example)/")
 SCRIPTS = re.compile(r"/page/src/.*\.[jt]s$|^python/(?!benchmark/|setup\.py).*\.py$")
 

@@ -200,7 +200,7 @@ ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp",
 # A judge shares no code with behaviors: of host it includes only what they report through.
 JUDGE, JUDGE_MAY = "tools/eval/judge", tuple(
     f"host/behavior/{name}.h" for name in ("behavior", "options", "sink"))
-TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp|/oracle\w*\.(cpp|h))$")
+TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp)$")
 
 
 def part_of(folder, name):

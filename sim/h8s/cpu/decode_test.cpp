@@ -6,7 +6,7 @@
 
 #include "sim/h8s/chip/chip_testing.h"
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/cpu/oracle.h"
+#include "sim/h8s/cpu/oracle_model_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

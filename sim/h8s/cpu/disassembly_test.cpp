@@ -9,7 +9,7 @@
 #include <random>
 
 #include "sim/h8s/cpu/opcode.h"
-#include "sim/h8s/cpu/oracle.h"
+#include "sim/h8s/cpu/oracle_model_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {

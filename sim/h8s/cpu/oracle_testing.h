@@ -1,4 +1,4 @@
-// Runs single instructions on the chip and on the model of oracle.h, with chosen or random operands.
+// Runs single instructions on the chip and on the oracle, with chosen or random operands.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sim/h8s/chip/chip.h"
-#include "sim/h8s/cpu/oracle.h"
+#include "sim/h8s/cpu/oracle_model_testing.h"
 
 namespace kaz::h8s::oracle {
 

@@ -1,6 +1,6 @@
 // Registers, memory and pattern matching of the tests' own model of the CPU.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/cpu/oracle.h"
+#include "sim/h8s/cpu/oracle_model_testing.h"
 
 namespace kaz::h8s::oracle {
 

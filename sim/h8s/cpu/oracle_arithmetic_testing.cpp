@@ -1,6 +1,6 @@
 // The manual's arithmetic, logic, shifts and extensions, for the tests' own model.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/h8s/cpu/oracle.h"
+#include "sim/h8s/cpu/oracle_model_testing.h"
 
 namespace kaz::h8s::oracle {
 namespace {
