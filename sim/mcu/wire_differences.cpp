@@ -68,16 +68,6 @@ std::span<const WireException> wire_differences() {
   return kExceptions;
 }
 
-std::string wire_differences_table() {
-  std::string table = "| on the wire | `h8` | `native` | why |\n|---|---|---|---|\n";
-  for (const WireException& row : kExceptions) {
-    for (const char* cell : {row.what, row.h8, row.native, row.reason})
-      table += std::string("| ") + cell + " ";
-    table += "|\n";
-  }
-  return table;
-}
-
 bool mask_wire_differences(std::span<std::uint8_t> body) {
   if (body.size() < KZ_HEADER_SIZE) return false;
   bool masked = false;

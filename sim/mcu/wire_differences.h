@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 
 namespace kaz::sim {
 
@@ -22,9 +21,6 @@ struct WireException {
 };
 
 std::span<const WireException> wire_differences();
-
-// Returns the list as a Markdown table. docs/explanation/emulator.md contains this table.
-std::string wire_differences_table();
 
 // Writes 0 to each byte of `body` that the comparison leaves out. `body` consists of address, type, sequence
 // number and fields. Returns true if the function has overwritten at least one byte.

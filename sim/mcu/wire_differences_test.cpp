@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -42,6 +43,17 @@ TEST(WireDifferences, MaskTheirFieldsAndNothingElse) {
   std::vector<std::uint8_t> other(10, 0xEE);
   other[1] = KZ_TYPE_state_reply;
   EXPECT_FALSE(mask_wire_differences(other));
+}
+
+// The list as a Markdown table.
+std::string wire_differences_table() {
+  std::string table = "| on the wire | `h8` | `native` | why |\n|---|---|---|---|\n";
+  for (const WireException& row : wire_differences()) {
+    for (const char* cell : {row.what, row.h8, row.native, row.reason})
+      table += std::string("| ") + cell + " ";
+    table += "|\n";
+  }
+  return table;
 }
 
 TEST(WireDifferences, AreInTheDocument) {
