@@ -112,9 +112,6 @@ Result<void> BodyControl::run_cycle(std::vector<host::JointTarget> targets) {
   const host::Gaze measured_gaze = host::gaze_of(measured());
   row.pan_measured = measured_gaze.pan_rad;
   row.tilt_measured = measured_gaze.tilt_rad;
-  row.ball_known = tracks_ball_ && ball_.known();
-  row.ball_pan = to.pan_rad;
-  row.ball_tilt = to.tilt_rad;
   context_->sink.cycle(row);
 
   targets.push_back({host::neck_pan, to.pan_rad});
@@ -133,7 +130,6 @@ void BodyControl::process_observations() {
   for (const vision::BallObservation& observation : input_.observations) {
     PictureRow row;
     row.exposure = observation.info.exposure;
-    row.known_at = now();
     row.found = observation.found;
     if (observation.found) {
       row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));

@@ -39,12 +39,6 @@ Result<void> HeadControl::step_once(const host::Gaze& target) {
   row.tilt_target = reachable.tilt_rad;
   row.pan_measured = measured().pan_rad;
   row.tilt_measured = measured().tilt_rad;
-  row.ball_known = tracker_.known();
-  if (row.ball_known) {
-    const host::Gaze ball = tracker_.at(now());
-    row.ball_pan = ball.pan_rad;
-    row.ball_tilt = ball.tilt_rad;
-  }
   context_->sink.cycle(row);
 
   const host::JointTarget targets[] = {{host::neck_pan, reachable.pan_rad},
@@ -59,7 +53,6 @@ void HeadControl::process(const std::vector<vision::BallObservation>& observatio
   for (const vision::BallObservation& observation : observations) {
     PictureRow row;
     row.exposure = observation.info.exposure;
-    row.known_at = now();
     row.found = observation.found;
     if (observation.found) {
       row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));

@@ -21,16 +21,11 @@ struct CycleRow {
   Time time{};
   double pan_target = 0, tilt_target = 0;      // sent in this cycle
   double pan_measured = 0, tilt_measured = 0;  // from the newest state
-  bool ball_known = false;                     // if false, ball_pan and ball_tilt are undefined
-  // Estimated direction of the ball at `time`, as the pan and tilt angles of a head that looks straight at
-  // the ball.
-  double ball_pan = 0, ball_tilt = 0;
 };
 
 // One processed image.
 struct PictureRow {
   Time exposure{};
-  Time known_at{};  // time at which the behavior received the result
   bool found = false;
   // Angle between the left optical axis and the ball; valid if `found`.
   double error_rad = 0;
