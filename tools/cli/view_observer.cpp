@@ -8,6 +8,7 @@
 #include "vision/color/ball.h"
 #include "vision/depth/depth.h"
 #include "vision/flow/flow.h"
+#include "vision/pipeline/pipeline.h"
 #include "vision/planes/plane_segments.h"
 
 namespace kaz::tools {

@@ -9,6 +9,7 @@
 #include "shared/base/angle.hpp"
 #include "shared/base/number_text.hpp"
 #include "sim/body/description/world_model.h"
+#include "sim/runtime/simulation/simulation.h"
 #include "tools/eval/scenario.h"
 
 namespace kaz::tools {
