@@ -12,9 +12,6 @@ namespace kaz::behavior {
 
 namespace {
 
-// Ramp duration over cycle duration: a little longer, so that the motion is continuous.
-constexpr double kRampFactor = 1.15;
-constexpr Time kMinRamp = std::chrono::milliseconds(12), kMaxRamp = std::chrono::milliseconds(40);
 constexpr double kHeadSpeed = 2.5;  // rad/s, maximum speed of the head
 constexpr double kMargin = 0.017;   // rad, inside the joints' limits
 // Fall detection during poses uses the lateral component of gravity (g, low-pass filtered) only: the
@@ -63,7 +60,7 @@ host::Gaze BodyControl::head() {
     const Eigen::Vector3d from_sole(hips.x() + at.x(), hips.y() + at.y(), context_->ball_radius_m);
     const host::Gaze ball =
         limit_over_chest(host::gaze_at(host::trunk_from_sole(measured(), foot) * from_sole));
-    const double max_step = kHeadSpeed * seconds(cycle_time_);  // rad
+    const double max_step = kHeadSpeed * seconds(cycle_.duration());  // rad
     gaze_.pan_rad += std::clamp(ball.pan_rad - gaze_.pan_rad, -max_step, max_step);
     gaze_.tilt_rad += std::clamp(ball.tilt_rad - gaze_.tilt_rad, -max_step, max_step);
   }
@@ -116,36 +113,24 @@ Result<void> BodyControl::run_cycle(std::vector<host::JointTarget> targets) {
 
   targets.push_back({host::neck_pan, to.pan_rad});
   targets.push_back({host::neck_tilt, to.tilt_rad});
-  const Time before = now();
-  const Time ramp =
-      std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
-  auto input = KAZ_TRY(cycle_.next(targets, ramp));
-  input_ = std::move(input);
-  cycle_time_ = now() - before;
+  KAZ_TRY(cycle_.advance(targets, input_));
   process_observations();
   return {};
 }
 
 void BodyControl::process_observations() {
   for (const vision::BallObservation& observation : input_.observations) {
-    PictureRow row;
-    row.exposure = observation.info.exposure;
-    row.found = observation.found;
-    if (observation.found) {
-      row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));
-      row.distance_m = observation.distance_m;
-    }
     newest_exposure_ = observation.info.exposure;
     const bool used = ball_.observe(observation, places_);
     consecutive_ = used ? consecutive_ + 1 : 0;
     if (used) newest_ball_ = observation;
-    context_->sink.picture(row);
+    context_->sink.picture(picture_row(observation));
   }
 }
 
 void BodyControl::detect_fall() {
   if (!input_.posture.inertial) return;
-  const double dt = seconds(cycle_time_), share = dt / (kSmoothing_s + dt);
+  const double dt = seconds(cycle_.duration()), share = dt / (kSmoothing_s + dt);
   left_g_ += share * (input_.posture.inertial->left_m_per_s2 / kGravity - left_g_);
   tipped_s_ = std::abs(left_g_) > kTipped ? tipped_s_ + dt : 0;
   fallen_ = fallen_ || tipped_s_ > kTippedFor_s;

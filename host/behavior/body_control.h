@@ -93,7 +93,6 @@ class BodyControl {
   bool tracks_ball_ = false, fallen_ = false;
   int consecutive_ = 0;
   Time newest_exposure_{};
-  Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
   // The function step(pose) uses `left_g_` and `tipped_s_` to detect a fall. `left_g_`: filtered lateral
   // acceleration, in units of gravity. `tipped_s_`: duration of the present strong tilt, s; 0 if the tilt is
   // not strong.

@@ -3,12 +3,16 @@
 #include "host/behavior/control_cycle.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
 namespace kaz::behavior {
 
 namespace {
+
+constexpr double kRampFactor = 1.15;  // ramp duration over cycle duration, in advance()
+constexpr Time kMaxRamp = std::chrono::milliseconds(40);
 
 std::string listed(std::span<const std::string> names) {
   std::string text;
@@ -49,6 +53,25 @@ Result<ControlCycle::Input> ControlCycle::next(std::span<const host::JointTarget
     return fail(Fault::environment, text + context_.camera);
   }
   return input;
+}
+
+Result<void> ControlCycle::advance(std::span<const host::JointTarget> targets, Input& input) {
+  const Time before = input.now;
+  const Time ramp = from_seconds(kRampFactor * seconds(duration_));
+  auto newest = KAZ_TRY(next(targets, std::clamp(ramp, kRamp, kMaxRamp)));
+  input = std::move(newest);
+  duration_ = input.now - before;
+  return {};
+}
+
+PictureRow picture_row(const vision::BallObservation& observation) {
+  PictureRow row;
+  row.exposure = observation.info.exposure;
+  row.found = observation.found;
+  if (!observation.found) return row;
+  row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));
+  row.distance_m = observation.distance_m;
+  return row;
 }
 
 Result<void> require_joints(const Context& context, std::string_view behavior,

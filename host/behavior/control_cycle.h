@@ -46,12 +46,21 @@ class ControlCycle {
   // next() fails if robot, clock or camera fail, or if the board has switched the motors off. Also fails if
   // no image came for Context::camera_patience.
   Result<Input> next(std::span<const host::JointTarget> targets, Time ramp = kRamp);
+  // Calls next() and replaces `input`, the result of the cycle before. The ramp lasts a little longer than
+  // the cycle before, so that the motion is continuous. Returns the errors of next().
+  Result<void> advance(std::span<const host::JointTarget> targets, Input& input);
+  // Duration of the latest cycle of advance(). Initially kPeriod.
+  Time duration() const { return duration_; }
 
  private:
   Context& context_;
   Time cycle_start_;
   Time last_image_;
+  Time duration_ = kPeriod;
 };
+
+// Returns the log entry of an observation.
+PictureRow picture_row(const vision::BallObservation& observation);
 
 // Fails (usage) if the robot lacks one of `joints`; the message lists the missing joints. On a robot other
 // than Kaz, the number of a Kaz joint can belong to a different joint. To avoid wrong motions, a behavior

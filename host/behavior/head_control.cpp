@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/behavior/head_control.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace kaz::behavior {
 
 HeadControl::HeadControl(Context& context, std::string_view behavior)
@@ -51,19 +48,12 @@ Result<void> HeadControl::step_once(const host::Gaze& target) {
 
 void HeadControl::process(const std::vector<vision::BallObservation>& observations) {
   for (const vision::BallObservation& observation : observations) {
-    PictureRow row;
-    row.exposure = observation.info.exposure;
-    row.found = observation.found;
-    if (observation.found) {
-      row.error_rad = std::acos(std::clamp(observation.direction.z(), -1.0, 1.0));
-      row.distance_m = observation.distance_m;
-      ball_ = observation;
-    }
+    if (observation.found) ball_ = observation;
     consecutive_ = observation.found ? consecutive_ + 1 : 0;
     newest_exposure_ = observation.info.exposure;
     tracker_.observe(observation);
-    pictures_.push_back(row);
-    context_->sink.picture(row);
+    pictures_.push_back(picture_row(observation));
+    context_->sink.picture(pictures_.back());
   }
 }
 

@@ -15,9 +15,6 @@ constexpr Time kSettle = std::chrono::milliseconds(500);
 // Averaging time of the gyro's offset, which is then known to 0.04 degrees/s: 0.7 degrees in a metre's
 // walk of 20 s.
 constexpr double kZeroed_s = 4.0;
-// Ramp duration over cycle duration: a little longer, so that the motion is continuous.
-constexpr double kRampFactor = 1.15;
-constexpr Time kMinRamp = std::chrono::milliseconds(12), kMaxRamp = std::chrono::milliseconds(40);
 
 }  // namespace
 
@@ -81,13 +78,7 @@ Result<void> Walker::step(std::span<const host::JointTarget> others) {
   }
   std::vector<host::JointTarget> targets(legs.begin(), legs.end());
   targets.insert(targets.end(), others.begin(), others.end());
-  const Time before = input_.now;
-  const Time ramp =
-      std::clamp(from_seconds(kRampFactor * seconds(cycle_time_)), kMinRamp, kMaxRamp);
-  auto input = KAZ_TRY(cycle_.next(targets, ramp));
-  input_ = std::move(input);
-  cycle_time_ = input_.now - before;
-  return {};
+  return cycle_.advance(targets, input_);
 }
 
 Result<void> Walker::finish() {

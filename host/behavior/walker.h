@@ -43,7 +43,6 @@ class Walker {
   motion::Motion motion_;
   ControlCycle cycle_;
   ControlCycle::Input input_;
-  Time cycle_time_ = ControlCycle::kPeriod;  // duration of the last cycle
 };
 
 }  // namespace kaz::behavior
