@@ -3,6 +3,7 @@
 #include "host/bus/bus_board.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 

@@ -1,6 +1,7 @@
 // What a servo on a bus and its files get: bytes of a hostile host, and bus.json.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
