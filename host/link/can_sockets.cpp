@@ -147,8 +147,8 @@ class KernelCanSockets final : public CanSockets {
       char id[16];
       std::snprintf(id, sizeof id, "0x%03x", channel.tx_id);
       return fail(Fault::environment, "can:" + interface_ +
-                                          " is in use by another program, which sends on " + id +
-                                          ": end that program first");
+                                          " is in use: another program sends frames with the id " + id +
+                                          "; end that program first");
     }
     locks_.emplace(channel.tx_id, std::move(fd));
     return {};

@@ -309,8 +309,8 @@ TEST(Rfc2217Link, APeerThatFloodsTheLinkIsAnErrorAndNoMemory) {
   EXPECT_EQ(set.error().fault, Fault::environment);
   EXPECT_EQ(set.error().message,
             (*link)->name() +
-                " sent more than 1048576 bytes before the reply to a command; a serial port "
-                "cannot do this: check the server at this address");
+                " sent more than 1048576 bytes before the reply to a command, which is not "
+                "possible for a serial port: check the server at this address");
 }
 
 TEST(Rfc2217Link, AFloodBeforeTheAgreementEndsAtTheDeadline) {

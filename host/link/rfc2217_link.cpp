@@ -146,8 +146,9 @@ Result<bool> Rfc2217Link::pump(Time deadline) {
   data_.insert(data_.end(), data.begin(), data.end());
   if (data_.size() > kMaxKept)
     return fail(Fault::environment, name() + " sent more than " + std::to_string(kMaxKept) +
-                                        " bytes before the reply to a command; a serial port "
-                                        "cannot do this: check the server at this address");
+                                        " bytes before the reply to a command, which is "
+                                        "not possible for a serial port: check the server at "
+                                        "this address");
   if (!answer.empty()) KAZ_TRY(stream_.write(answer));
   return count > 0;
 }

@@ -1,4 +1,4 @@
-// Floor pattern in a picture, seen from above, and the shift between two such views.
+// Computes the floor pattern of a picture as seen from above, and the shift between two such patterns.
 // SPDX-License-Identifier: Apache-2.0
 //
 // If a robot sees the same part of the floor again, the floor's pattern shows the drift of the robot's

@@ -10,8 +10,8 @@ namespace kaz::plan {
 Result<void> check(const Grid& grid, const Pose& start, const Goal& goal,
                    const PlanOptions& options);
 
-// Returns the reason why no planner can find a path from start to goal. Returns nothing if steps between
-// neighboring free cells (sides or corners) lead from start to goal.
+// Returns the reason why no planner can find a path from start to goal. Returns no reason if steps between
+// neighboring free cells (sides or corners) connect start and goal.
 std::optional<NoPath> no_path(const Clearance& clearance, const Pose& start, const Goal& goal);
 
 }  // namespace kaz::plan

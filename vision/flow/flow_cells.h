@@ -31,8 +31,8 @@ class FlowProducts {
 
   explicit FlowProducts(bool vectors = true) : vectors_(vectors) {}
   void resize(int width, int height);
-  // Computes the products of row y of the earlier reduced picture from `row` and the adjacent rows `up` and
-  // `down`. Row y must be neither the first nor the last. For each pixel of the row, `there` is the
+  // Computes the products of row y of the earlier reduced picture. `row`: this row; `up` and `down`: the rows
+  // above and below. Row y must be neither the first nor the last. For each pixel of the row, `there` is the
   // brightness of the later picture at the position to which the flow leads. Where `compared` is 0, the value
   // of `there` is ignored. In each row, the first pixel and the last pixel count as not compared.
   void set_row(int y, const float* up, const float* row, const float* down, const float* there,

@@ -187,8 +187,8 @@ class Chip {
   // Fills RAM with `ram_fill`, sets the time to 0 and resets. In a real chip, the contents of RAM after
   // power-on are random.
   void power_on(std::uint8_t ram_fill = 0xa5);
-  // Resets the chip by a pulse of zero length at the RES pin. The contents of RAM are kept. If an error has
-  // stopped the chip, the chip can run again.
+  // Resets the chip by a pulse of zero length at the RES pin. The contents of RAM are kept. A chip that
+  // an error has stopped can run again after a reset.
   void reset();
   // Sets the levels of MD1 and MD0 (Options::mode), which the next reset samples.
   void set_mode_pins(int mode);

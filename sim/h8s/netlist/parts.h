@@ -108,8 +108,8 @@ class Probe : public Part {
  public:
   Probe(Net net, std::string name) : net_(net), name_(std::move(name)) {}
   const std::string& name() const { return name_; }
-  // Returns pairs of a time and a level. The first pair contains the level at the start. Each other pair
-  // contains the time of a change and the new level.
+  // Returns pairs of a time and a level. The first pair contains the level at the start. Each further
+  // pair contains the time of a change and the new level.
   const std::vector<std::pair<States, bool>>& levels() const { return levels_; }
   // Returns the fraction of the time from `from` to `to` during which the net was high.
   double high_share(States from, States to) const;

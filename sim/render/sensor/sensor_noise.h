@@ -36,8 +36,8 @@ class NoiseRow {
               InstructionSet with = best_instructions()) const;
 
   struct Factors {
-    // Factor that converts values to codes, including sqrt(exposure). The unit of the values is 1/64 of a
-    // code.
+    // Factor that converts values to codes. The factor contains sqrt(exposure). The unit of the values is
+    // 1/64 of a code.
     float code = 0;
     // Parameters of the noise of a pixel. Let c be the code of the pixel without noise. Let z be the sum of
     // four random bytes, minus the mean of this sum. The noise that is added to c^2 is:
