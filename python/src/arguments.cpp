@@ -16,33 +16,27 @@ class KeywordArguments {
  public:
   explicit KeywordArguments(py::dict& from) : from_(from) {}
 
-  template <class T, std::size_t N>
-  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
-    value = named(text.name, path(text.name, to_string(value)), values);
+  void operator()(const sim::OptionText& text, auto& value) {
+    value = take(from_, text.name, value);
   }
-  void flag(const sim::OptionText& text, bool& value) {
-    value = take<bool>(from_, text.name, value);
-  }
-  void line(const sim::OptionText& text, std::string& value) {
+  void operator()(const sim::OptionText& text, std::string& value) {
     if (text.option != nullptr) value = path(text.name, value);
   }
-  void lines(const sim::OptionText&, std::vector<std::string>&) {}
-  void number(const sim::OptionText& text, double& value) {
-    value = take<double>(from_, text.name, value);
+  void operator()(const sim::OptionText&, std::vector<std::string>&) {}  // only in recordings
+  template <class T, std::size_t N>
+  void operator()(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+    value = named(text.name, path(text.name, to_string(value)), values);
   }
-  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
-    number(text, value);
-    if (value >= range.min && value <= range.max) return;
+  void operator()(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
+    value = take(from_, text.name, value);
+    if (!range.limited() || (value >= range.min && value <= range.max)) return;
     std::ostringstream error;
     error << text.name << ": must be " << range.min << " to " << range.max << " " << range.unit;
     raise({Fault::usage, error.str()});
   }
-  void whole(const sim::OptionText& text, std::uint64_t& value) {
-    value = take<std::uint64_t>(from_, text.name, value);
-  }
   template <std::size_t N>
-  void size(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
-    value = take<int>(from_, text.name, value);
+  void operator()(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
+    value = take(from_, text.name, value);
     if (value == 0 || std::ranges::find(sizes, value) != sizes.end()) return;
     std::string valid;
     for (const int one : sizes) valid += (valid.empty() ? "" : " or ") + std::to_string(one);

@@ -78,7 +78,7 @@ CLI::Validator whole_number_above_zero(std::int64_t max) {
       "1 to " + std::to_string(max), "a whole number from ");
 }
 
-void OptionAdder::flag(const sim::OptionText& text, bool& value) {
+void OptionAdder::operator()(const sim::OptionText& text, bool& value) {
   if (text.opposite == nullptr) {
     verb_.add_flag(text.option, value, text.help);
     return;
@@ -93,29 +93,22 @@ void OptionAdder::flag(const sim::OptionText& text, bool& value) {
       ->excludes(with);
 }
 
-void OptionAdder::line(const sim::OptionText& text, std::string& value) {
+void OptionAdder::operator()(const sim::OptionText& text, std::uint64_t& value) {
+  verb_.add_option(text.option, value, text.help)
+      ->transform(whole_number())
+      ->type_name(text.placeholder)
+      ->capture_default_str();
+}
+
+void OptionAdder::operator()(const sim::OptionText& text, std::string& value) {
   auto* option = verb_.add_option(text.option, value, text.help)->type_name(text.placeholder);
   if (!value.empty()) option->capture_default_str();
 }
 
-void OptionAdder::number(const sim::OptionText& text, double& value) {
+void OptionAdder::operator()(const sim::OptionText& text, double& value,
+                             const sim::OptionRange& range) {
   verb_.add_option(text.option, value, text.help)
-      ->check(kaz::tools::number())
-      ->type_name(text.placeholder)
-      ->capture_default_str();
-}
-
-void OptionAdder::number(const sim::OptionText& text, double& value,
-                         const sim::OptionRange& range) {
-  verb_.add_option(text.option, value, text.help)
-      ->check(between(range.min, range.max, range.unit))
-      ->type_name(text.placeholder)
-      ->capture_default_str();
-}
-
-void OptionAdder::whole(const sim::OptionText& text, std::uint64_t& value) {
-  verb_.add_option(text.option, value, text.help)
-      ->transform(whole_number())
+      ->check(range.limited() ? between(range.min, range.max, range.unit) : number())
       ->type_name(text.placeholder)
       ->capture_default_str();
 }

@@ -99,17 +99,16 @@ class OptionAdder {
  public:
   explicit OptionAdder(CLI::App& verb) : verb_(verb) {}
 
+  void operator()(const sim::OptionText& text, bool& value);
+  void operator()(const sim::OptionText& text, std::uint64_t& value);
+  void operator()(const sim::OptionText& text, std::string& value);
+  void operator()(const sim::OptionText& text, double& value, const sim::OptionRange& range);
   template <class T, std::size_t N>
-  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+  void operator()(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
     add_choice(verb_, text.option, values, value, text.help);
   }
-  void flag(const sim::OptionText& text, bool& value);
-  void line(const sim::OptionText& text, std::string& value);
-  void number(const sim::OptionText& text, double& value);
-  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range);
-  void whole(const sim::OptionText& text, std::uint64_t& value);
   template <std::size_t N>
-  void size(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
+  void operator()(const sim::OptionText& text, int& value, const std::array<int, N>& sizes) {
     std::vector<std::string> valid;
     for (const int one : sizes) valid.push_back(std::to_string(one));
     verb_.add_option(text.option, value, text.help)

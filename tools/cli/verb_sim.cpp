@@ -127,8 +127,7 @@ void add_sim(CLI::App& program, Action& action) {
                    "write the eyes' calibration in OpenCV's format (YAML); without --serial, write "
                    "only this file")
       ->type_name("FILE");
-  OptionAdder adder(*verb);
-  arguments->backend.visit_suspended(adder);
+  arguments->backend.visit_suspended(OptionAdder(*verb));
   auto* record = verb->add_option("--record", arguments->backend.recording,
                                   "record everything into this file (MCAP), until Ctrl-C")
                      ->type_name("FILE");

@@ -420,7 +420,7 @@ Json campaign_json(const CampaignOptions& o) {
             {"realtime", o.realtime},
             {"seed", o.seed}};
   BackendOptions robot = o.backend;
-  OptionJsonWriter writer(json);
+  const auto writer = option_json_writer(json);
   robot.visit_mcu(writer);
   robot.visit_image(writer);
   robot.visit_sensors(writer);

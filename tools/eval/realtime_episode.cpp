@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <type_traits>
 
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -170,39 +171,23 @@ std::string bytes_of(const std::string& hex) {
   return bytes;
 }
 
-// Archive (robot_options.h) that appends options to a command line, which must outlive the archive.
-class CommandLineWriter {
- public:
-  explicit CommandLineWriter(std::vector<std::string>& to) : to_(to) {}
-
-  template <class T, std::size_t N>
-  void choice(const sim::OptionText& text, const T& value, const std::array<T, N>&) {
-    put(text, to_string(value));
-  }
-  void flag(const sim::OptionText& text, bool value) {
-    if (value) to_.emplace_back(text.option);
-  }
-  void line(const sim::OptionText& text, const std::string& value) {
-    if (text.option != nullptr && !value.empty()) put(text, value);
-  }
-  void lines(const sim::OptionText&, const std::vector<std::string>&) {}
-  void number(const sim::OptionText& text, double value) { put(text, std::to_string(value)); }
-  void number(const sim::OptionText& text, double value, const sim::OptionRange&) {
-    number(text, value);
-  }
-  void whole(const sim::OptionText& text, std::uint64_t value) { put(text, std::to_string(value)); }
-  template <std::size_t N>
-  void size(const sim::OptionText& text, int value, const std::array<int, N>&) {
-    if (value != 0) put(text, std::to_string(value));
-  }
-
- private:
-  void put(const sim::OptionText& text, const std::string& value) {
-    to_.insert(to_.end(), {text.option, value});
-  }
-
-  std::vector<std::string>& to_;
-};
+// Returns an archive (robot_options.h) that appends options to the command line `to`, which must outlive the
+// archive.
+auto command_line_writer(std::vector<std::string>& to) {
+  return [&to]<class T>(const sim::OptionText& text, const T& value, const auto&...) {
+    if (text.option == nullptr) return;
+    if constexpr (std::is_enum_v<T>) {
+      to.insert(to.end(), {text.option, to_string(value)});
+    } else if constexpr (std::is_same_v<T, bool>) {
+      if (value) to.emplace_back(text.option);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      if (!value.empty()) to.insert(to.end(), {text.option, value});
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      const bool given = !std::is_same_v<T, int> || value != 0;
+      if (given) to.insert(to.end(), {text.option, std::to_string(value)});
+    }
+  };
+}
 
 // Both programs' arguments.
 struct Commands {
@@ -226,8 +211,7 @@ Result<Commands> commands(const CampaignOptions& options, const DrawnEpisode& dr
   const std::string board = board_of(files), eyes = board + ".eyes";
   Commands both{{"sim", "--serial", board, "--record", folder + "/recording.mcap"},
                 {"run", options.behavior, "--robot", "serial:" + board, "--json"}};
-  CommandLineWriter writer(both.simulator);
-  robot.visit(writer);
+  robot.visit(command_line_writer(both.simulator));
   if (sees) {
     both.simulator.insert(both.simulator.end(), {"--cameras", eyes});
     both.behavior.insert(both.behavior.end(), {"--camera", eyes, "--color", color_file, "--radius",

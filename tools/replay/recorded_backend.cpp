@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -43,39 +44,36 @@ class RecordedOptions {
  public:
   explicit RecordedOptions(const Json& from) : from_(from) {}
 
+  void operator()(const sim::OptionText& text, bool& value) {
+    take(text, value, &Json::is_boolean);
+  }
+  void operator()(const sim::OptionText& text, std::uint64_t& value) {
+    take(text, value, &Json::is_number_unsigned);
+  }
+  void operator()(const sim::OptionText& text, std::string& value) {
+    take(text, value, &Json::is_string);
+  }
+  void operator()(const sim::OptionText& text, std::vector<std::string>& value) {
+    take(text, value, [](const Json& json) {
+      return json.is_array() && json.size() <= KZ_JOINTS &&
+             std::ranges::all_of(json, &Json::is_string);
+    });
+  }
   template <class T, std::size_t N>
-  void choice(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
+  void operator()(const sim::OptionText& text, T& value, const std::array<T, N>& values) {
     std::string name = to_string(value);
-    if (!take(text, name, [](const Json& json) { return json.is_string(); })) return;
+    (*this)(text, name);
     if (const auto chosen = choose(name, values, value); !chosen && unknown_.empty())
       unknown_ = quoted(key_of(text)) + " of its backend " + chosen.error().message;
   }
-  void flag(const sim::OptionText& text, bool& value) {
-    take(text, value, [](const Json& json) { return json.is_boolean(); });
-  }
-  void line(const sim::OptionText& text, std::string& value) {
-    take(text, value, [](const Json& json) { return json.is_string(); });
-  }
-  void lines(const sim::OptionText& text, std::vector<std::string>& value) {
-    take(text, value, [](const Json& json) {
-      return json.is_array() && json.size() <= KZ_JOINTS &&
-             std::ranges::all_of(json, [](const Json& one) { return one.is_string(); });
-    });
-  }
-  void number(const sim::OptionText& text, double& value) {
-    take(text, value, [](const Json& json) { return json.is_number(); });
-  }
-  void number(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
+  void operator()(const sim::OptionText& text, double& value, const sim::OptionRange& range) {
     take(text, value, [&](const Json& json) {
       return json.is_number() && json.get<double>() >= range.min && json.get<double>() <= range.max;
     });
   }
-  void whole(const sim::OptionText& text, std::uint64_t& value) {
-    take(text, value, [](const Json& json) { return json.is_number_unsigned(); });
-  }
   // Accepts more sizes than the command line does.
   template <std::size_t N>
-  void size(const sim::OptionText& text, int& value, const std::array<int, N>&) {
+  void operator()(const sim::OptionText& text, int& value, const std::array<int, N>&) {
     take(text, value, [](const Json& json) {
       return json.is_number_unsigned() && json.get<std::uint64_t>() <= 4096;
     });
@@ -102,17 +100,15 @@ class RecordedOptions {
   }
   static std::string quoted(const std::string& key) { return "`" + key + "`"; }
 
-  // Returns true if `to` was set.
   template <class T, class Test>
-  bool take(const sim::OptionText& text, T& to, Test fits) {
+  void take(const sim::OptionText& text, T& to, Test fits) {
     const auto found = from_.find(key_of(text));
-    if (found == from_.end()) return false;
-    if (!fits(*found)) {
+    if (found == from_.end()) return;
+    if (std::invoke(fits, *found)) {
+      found->get_to(to);
+    } else {
       misfit_ = key_of(text);
-      return false;
     }
-    found->get_to(to);
-    return true;
   }
 
   const Json& from_;

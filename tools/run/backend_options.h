@@ -53,30 +53,21 @@ struct BackendOptions : sim::RobotOptions {
 
   // Pass options to an archive (robot_options.h).
   template <class A>
-  void visit_world(A& archive) {
-    archive.line({.name = "world",
-                  .option = "--world",
-                  .help = "name of a Kaz world, or an SDF file",
-                  .placeholder = "NAME|FILE"},
-                 world);
-    archive.line({.name = "robot_file",
-                  .option = "--robot-file",
-                  .help = "URDF of another robot; motor.xml and sensors.xml must be in the same "
-                          "folder (default: Kaz)",
-                  .placeholder = "FILE"},
-                 robot_file);
+  void visit_world(A&& archive) {
+    archive({"world", "--world", "name of a Kaz world, or an SDF file", "NAME|FILE"}, world);
+    archive({"robot_file", "--robot-file",
+             "URDF of another robot; motor.xml and sensors.xml must be in the same "
+             "folder (default: Kaz)",
+             "FILE"},
+            robot_file);
   }
   template <class A>
-  void visit_image(A& archive) {
-    archive.line({.name = "image",
-                  .option = "--image",
-                  .help = "firmware image for h8: an S-record or COFF file",
-                  .placeholder = "FILE"},
-                 image);
+  void visit_image(A&& archive) {
+    archive({"image", "--image", "firmware image for h8: an S-record or COFF file", "FILE"}, image);
   }
   // All options that describe the simulated robot, in the order of recordings.
   template <class A>
-  void visit(A& archive) {
+  void visit(A&& archive) {
     visit_world(archive);
     visit_mcu(archive);
     visit_image(archive);
@@ -85,9 +76,9 @@ struct BackendOptions : sim::RobotOptions {
     visit_eyes(archive);
     visit_supply(archive);
     visit_seed(archive);
-    archive.line({.name = "memory", .optional = true}, memory);
+    archive({.name = "memory", .optional = true}, memory);
     visit_suspended(archive);
-    archive.lines({.name = "joints", .optional = true}, joints);
+    archive({.name = "joints", .optional = true}, joints);
   }
 };
 

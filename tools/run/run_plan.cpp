@@ -19,8 +19,7 @@ namespace {
 // The virtual robot, as one JSON object.
 std::string robot_facts(BackendOptions backend) {
   nlohmann::ordered_json robot;
-  OptionJsonWriter writer(robot);
-  backend.visit(writer);
+  backend.visit(option_json_writer(robot));
   return robot.dump();
 }
 

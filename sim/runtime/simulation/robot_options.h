@@ -1,20 +1,17 @@
 // Options of the simulated robot, with one description of each option for command line, JSON and Python.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each visit function passes some members to an archive, in a fixed order. An archive reads, writes or
-// registers the values. Its member functions are:
-//   choice(text, value, values)  an enum with to_string(), and the array of all its values
-//   flag(text, value)            bool
-//   line(text, value)            std::string; empty: not given
-//   lines(text, value)           std::vector<std::string>; only in recordings
-//   number(text, value)          any finite double
-//   number(text, value, range)   double in an OptionRange
-//   whole(text, value)           std::uint64_t
-//   size(text, value, sizes)     int: one of the array `sizes`, or 0 if not given
+// Each visit function passes some members to an archive, in a fixed order. An archive is a callable object
+// that reads, writes or registers the values. The calls are:
+//   archive(text, value)          bool, std::uint64_t, std::string (empty: not given), or a vector of strings
+//   archive(text, value, values)  enum with to_string(), and the array of all its values
+//   archive(text, value, range)   double, and an OptionRange
+//   archive(text, value, sizes)   int, and the array of its valid values besides 0 (not given)
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "sim/board/sensor_file.h"
@@ -34,10 +31,12 @@ struct OptionText {
   bool optional = false;           // true: JSON omits the default
 };
 
-// Inclusive range of a number.
+// Inclusive range of a number. The default range contains all finite numbers.
 struct OptionRange {
-  double min, max;
-  const char* unit;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  const char* unit = "";
+  bool limited() const { return max < std::numeric_limits<double>::infinity(); }
 };
 
 constexpr double kMinSupply_v = 1, kMaxSupply_v = 20;
@@ -66,89 +65,73 @@ struct RobotOptions {
   }
 
   template <class A>
-  void visit_mcu(A& archive) {
-    archive.choice({.name = "mcu",
-                    .option = "--mcu",
-                    .help = "microcontroller of the servo board: h8 executes the firmware image; "
-                            "native runs the firmware's C code, compiled for this machine"},
-                   mcu, kMcuKinds);
+  void visit_mcu(A&& archive) {
+    archive({"mcu", "--mcu",
+             "microcontroller of the servo board: h8 executes the firmware image; "
+             "native runs the firmware's C code, compiled for this machine"},
+            mcu, kMcuKinds);
   }
   template <class A>
-  void visit_sensors(A& archive) {
-    archive.choice({.name = "sensors",
-                    .option = "--sensors",
-                    .help = "nominal: sensors with noise; ideal: sensors without noise; as-built: "
-                            "like nominal, but each potentiometer has an uncalibrated curve and "
-                            "offset of its own"},
-                   sensors, kSensorSets);
-    archive.flag({.name = "imu",
-                  .option = "--imu",
-                  .help = "the board has a gyro and an accelerometer at its analog inputs AN3 to "
-                          "AN5",
-                  .opposite = "the board has no gyro or accelerometer"},
-                 imu);
+  void visit_sensors(A&& archive) {
+    archive({"sensors", "--sensors",
+             "nominal: sensors with noise; ideal: sensors without noise; as-built: "
+             "like nominal, but each potentiometer has an uncalibrated curve and "
+             "offset of its own"},
+            sensors, kSensorSets);
+    archive({"imu", "--imu",
+             "the board has a gyro and an accelerometer at its analog inputs AN3 to "
+             "AN5",
+             "", "the board has no gyro or accelerometer"},
+            imu);
   }
   template <class A>
-  void visit_dynamics(A& archive) {
-    archive.line({.name = "dynamics",
-                  .option = "--dynamics",
-                  .help = "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; "
-                          "quickN: the Open Dynamics Engine with N iterations (1 to 1000)",
-                  .placeholder = "reduced|exact|quickN"},
-                 dynamics);
-    archive.number(
-        {.name = "physics_step_ms",
-         .option = "--physics-step",
-         .help = "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
-                 "stays at 1 ms. For impacts, choose a step of at most 1 ms. If the robot's motors "
-                 "are on, choose a step of at most 2 ms (docs/explanation/dynamics.md)",
-         .placeholder = "MS"},
-        physics_step_ms);
+  void visit_dynamics(A&& archive) {
+    archive({"dynamics", "--dynamics",
+             "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; "
+             "quickN: the Open Dynamics Engine with N iterations (1 to 1000)",
+             "reduced|exact|quickN"},
+            dynamics);
+    archive({"physics_step_ms", "--physics-step",
+             "time step of the dynamics: 0.125, 0.25, 0.5, 1, 2 or 4 ms; the firmware's tick "
+             "stays at 1 ms. For impacts, choose a step of at most 1 ms. If the robot's motors "
+             "are on, choose a step of at most 2 ms (docs/explanation/dynamics.md)",
+             "MS"},
+            physics_step_ms, OptionRange{});
   }
   template <class A>
-  void visit_eyes(A& archive) {
-    archive.choice({.name = "eyes",
-                    .option = "--eyes",
-                    .help = "ideal: pinhole cameras without noise; real: rectified pictures from "
-                            "cameras that have lens errors, exposure and noise; none: no cameras, "
-                            "for behaviors that use no pictures"},
-                   eyes, kEyeKinds);
-    archive.size({.name = "eye_width",
-                  .option = "--eye-width",
-                  .help = "width of the eyes' pictures, px: 320 or 640 (default: the width in "
-                          "camera.json)",
-                  .placeholder = "320|640"},
-                 eye_width, kEyeWidths);
-    archive.choice({.name = "renderer",
-                    .option = "--renderer",
-                    .help = "raster: Kaz's own renderer of the pictures; opengl: the reference "
-                            "renderer, which uses Mesa and takes three times as long as raster"},
-                   renderer, kRendererKinds);
+  void visit_eyes(A&& archive) {
+    archive({"eyes", "--eyes",
+             "ideal: pinhole cameras without noise; real: rectified pictures from "
+             "cameras that have lens errors, exposure and noise; none: no cameras, "
+             "for behaviors that use no pictures"},
+            eyes, kEyeKinds);
+    archive({"eye_width", "--eye-width",
+             "width of the eyes' pictures, px: 320 or 640 (default: the width in "
+             "camera.json)",
+             "320|640"},
+            eye_width, kEyeWidths);
+    archive({"renderer", "--renderer",
+             "raster: Kaz's own renderer of the pictures; opengl: the reference "
+             "renderer, which uses Mesa and takes three times as long as raster"},
+            renderer, kRendererKinds);
   }
   template <class A>
-  void visit_supply(A& archive) {
-    archive.number({.name = "supply_volts",
-                    .option = "--supply",
-                    .help = "supply voltage of the board",
-                    .placeholder = "V"},
-                   supply_volts, OptionRange{kMinSupply_v, kMaxSupply_v, "V"});
+  void visit_supply(A&& archive) {
+    archive({"supply_volts", "--supply", "supply voltage of the board", "V"}, supply_volts,
+            OptionRange{kMinSupply_v, kMaxSupply_v, "V"});
   }
   template <class A>
-  void visit_seed(A& archive) {
-    archive.whole({.name = "seed",
-                   .option = "--seed",
-                   .help = "seed of all noise; the same seed gives identical results",
-                   .placeholder = "N"},
-                  seed);
+  void visit_seed(A&& archive) {
+    archive({"seed", "--seed", "seed of all noise; the same seed gives identical results", "N"},
+            seed);
   }
   template <class A>
-  void visit_suspended(A& archive) {
-    archive.flag({.name = "suspended",
-                  .option = "--suspended",
-                  .help = "hang the robot by its trunk, so that its feet are free. The command "
-                          "`kaz calibrate joints --only stops` needs a suspended robot",
-                  .optional = true},
-                 suspended);
+  void visit_suspended(A&& archive) {
+    archive({"suspended", "--suspended",
+             "hang the robot by its trunk, so that its feet are free. The command "
+             "`kaz calibrate joints --only stops` needs a suspended robot",
+             "", nullptr, true},
+            suspended);
   }
 };
 
