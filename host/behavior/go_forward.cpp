@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <memory>
+#include <sstream>
 
 #include "host/behavior/walker.h"
 #include "shared/base/angle.hpp"
+#include "shared/base/files.hpp"
 
 namespace kaz::behavior {
 
@@ -18,13 +20,29 @@ bool is_balance(std::string_view text) {
          motion::BalancePolicy::parse(std::string(text), "balance").has_value();
 }
 
+// The weights in a file, in one line without comments.
+Result<std::string> load_balance(const std::string& value) {
+  constexpr std::size_t kLargest = 1 << 20;
+  if (is_balance(value)) return value;
+  const auto text = KAZ_TRY(
+      read_whole_file(value, kLargest, "give balance=none, balance=learned, or a file of weights"));
+  KAZ_TRY(motion::BalancePolicy::parse(text, value));
+  std::string weights;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line.substr(0, line.find("//")));
+    for (std::string word; words >> word;) weights += (weights.empty() ? "" : " ") + word;
+  }
+  return weights;
+}
+
 constexpr Option kOptions[] = {
     {"distance", "0.5", "", -2, 5,
      "distance in m; a negative value means backward; the absolute value must be at least 0.05"},
     {"gyro", "use", "use|ignore", 0, 0, "ignore: walk as if the board had no gyro"},
     {"balance", "none", "none|learned|FILE", 0, 0,
      "learned: a small neural network adjusts the gait to withstand pushes (needs --imu)", false,
-     is_balance},
+     is_balance, load_balance},
 };
 
 // `which`: none, learned, or weights.

@@ -23,6 +23,9 @@ struct Option {
   bool whole = false;
   // If not null, the value is a text, and this function returns whether `value` is valid.
   bool (*is_valid)(std::string_view value) = nullptr;
+  // If not null, users may also give the name of a file. This function returns the value in that file, and
+  // returns valid values unchanged. Then a recording does not depend on the file.
+  Result<std::string> (*load)(const std::string& value) = nullptr;
 };
 
 // Returns the valid values for messages, such as "keep|straight|home" or "1 to 20".

@@ -166,4 +166,16 @@ Result<Behavior> named_behavior(const std::string& name) {
   return found;
 }
 
+Result<void> load_settings(const std::string& name, std::map<std::string, std::string>& settings) {
+  const auto known = named_behavior(name);
+  if (!known) return {};
+  for (const Option& option : known->options) {
+    const auto set = settings.find(std::string(option.name));
+    if (option.load == nullptr || set == settings.end()) continue;
+    const auto value = KAZ_TRY(option.load(set->second));
+    set->second = value;
+  }
+  return {};
+}
+
 }  // namespace kaz::behavior

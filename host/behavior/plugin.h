@@ -7,6 +7,7 @@
 // tools/cli/exports.txt lists the exported namespaces.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -70,6 +71,10 @@ Result<Behavior> load_behavior(const std::string& path);
 
 // Returns the result of load_behavior(name) if `name` is a path, else the result of find_behavior(name).
 Result<Behavior> named_behavior(const std::string& name);
+
+// Replaces file names in the settings of the behavior `name` by the values in these files (Option::load).
+// Does nothing if the behavior is unknown. Fails (usage) if a file cannot be read or has no valid value.
+Result<void> load_settings(const std::string& name, std::map<std::string, std::string>& settings);
 
 // Call thrown_error() in a handler that catches all exceptions. Returns the error for the current exception,
 // with `who` as its source. The fault is Fault::failed, or Fault::environment if memory ran out.

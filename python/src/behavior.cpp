@@ -9,7 +9,6 @@
 #include "host/behavior/plugin.h"
 #include "python/src/arguments.h"
 #include "tools/base/interrupt_signals.h"
-#include "tools/run/balance_setting.h"
 #include "tools/run/run.h"
 
 namespace kaz::python {
@@ -69,7 +68,8 @@ py::dict run_behavior(const std::string& name, const py::kwargs& given) {
     run.backend.world = known->world;
   run.behavior = name;
   run.settings = settings_of(take<py::dict>(arguments, "settings", py::dict()));
-  if (const auto loaded = tools::load_balance(name, run.settings); !loaded) raise(loaded.error());
+  if (const auto loaded = behavior::load_settings(name, run.settings); !loaded)
+    raise(loaded.error());
   run.out = take<std::string>(arguments, "out", "");
   run.backend.robot = take<std::string>(arguments, "robot", "sim");
   run.backend.camera = take<std::string>(arguments, "camera", "sim");

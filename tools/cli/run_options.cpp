@@ -12,7 +12,6 @@
 #include "shared/base/files.hpp"
 #include "tools/base/arguments.h"
 #include "tools/cli/options.h"
-#include "tools/run/balance_setting.h"
 #include "tools/vision/color_file.h"
 
 namespace kaz::tools {
@@ -105,7 +104,7 @@ void add_out(CLI::App& verb, RunArguments& arguments, const std::string& more) {
 Result<bool> run_behavior(RunArguments arguments) {
   auto settings = KAZ_TRY(parse_settings(arguments.settings));
   RunOptions& run = arguments.run;
-  KAZ_TRY(load_balance(run.behavior, settings));
+  KAZ_TRY(behavior::load_settings(run.behavior, settings));
   run.settings = settings;
   if (!arguments.duration.empty() || !arguments.goal.empty() || !arguments.poses.empty()) {
     const auto behavior = KAZ_TRY(behavior::named_behavior(run.behavior));

@@ -14,7 +14,6 @@
 #include "tools/eval/given_options.h"
 #include "tools/eval/hosts.h"
 #include "tools/eval/slurm.h"
-#include "tools/run/balance_setting.h"
 
 namespace kaz::tools {
 namespace {
@@ -89,7 +88,7 @@ Result<ExitStatus> start(Arguments a, const WatchArguments& watch,
                          const std::vector<std::string>& options) {
   CampaignOptions& c = a.campaign;
   auto settings = KAZ_TRY(parse_settings(a.settings));
-  KAZ_TRY(load_balance(c.behavior, settings));
+  KAZ_TRY(behavior::load_settings(c.behavior, settings));
   c.settings = settings;
   const auto shard = KAZ_TRY(parse_shard(a.shard));
   c.shard = shard.part;
