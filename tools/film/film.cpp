@@ -122,42 +122,85 @@ class Corner {
   std::pair<int, int> place_;
 };
 
+// Picture of the left eye: as recorded, or else drawn.
+class EyePicture {
+ public:
+  EyePicture() = default;
+  // `name` is the recording's name in error messages. `view_rad` is the horizontal field of view with which
+  // the eye is drawn; nullopt: it is not drawn.
+  EyePicture(std::string name, std::vector<lockstep::RecordedRun::Pair> pairs,
+             std::optional<double> view_rad)
+      : name_(std::move(name)), pairs_(std::move(pairs)), view_rad_(view_rad) {}
+
+  // What the corner shows.
+  const char* kind() const { return !pairs_.empty() ? "recorded" : view_rad_ ? "drawn" : "none"; }
+  // Call it in order of time: a recorded picture is the newest until then.
+  Result<const figure::Image*> at(Time now, const sim::ScenePose& pose,
+                                  const Eigen::Isometry3d& world_from_eye, sim::Light light,
+                                  sim::Renderer& renderer);
+
+ private:
+  std::string name_;
+  std::vector<lockstep::RecordedRun::Pair> pairs_;
+  std::optional<double> view_rad_;
+  std::size_t next_pair_ = 0;  // the first that is later than the picture in the corner
+  figure::Image image_;
+};
+
+Result<const figure::Image*> EyePicture::at(Time now, const sim::ScenePose& pose,
+                                            const Eigen::Isometry3d& world_from_eye,
+                                            sim::Light light, sim::Renderer& renderer) {
+  // Before the first picture came the eyes were shut, and what is there is drawn.
+  if (!pairs_.empty() && (pairs_.front().exposure <= now || !view_rad_)) {
+    std::size_t next = next_pair_;
+    while (next < pairs_.size() && pairs_[next].exposure <= now) ++next;
+    if (next == 0 || next == next_pair_) return &image_;
+    next_pair_ = next;
+    const auto decoded = sim::decode_png(pairs_[next - 1].left_png);
+    if (!decoded)
+      return fail(Fault::usage,
+                  name_ + ": cannot decode a picture of the left eye: " + decoded.error().message);
+    image_ = figure::framed(figure::resize(*decoded, kSeenWidth, kSeenHeight));
+  } else if (view_rad_) {
+    sim::View view;
+    view.camera = sim::camera_of_view(kSeenWidth, kSeenHeight, *view_rad_);
+    view.world_from_optical = world_from_eye;
+    view.samples_per_axis = 2;
+    view.light = light;
+    figure::Image picture;
+    KAZ_TRY(renderer.render(pose, view, picture));
+    image_ = figure::framed(picture);
+  }
+  return &image_;
+}
+
 class Film {
  public:
   static Result<Film> of(const FilmOptions& options);
   std::size_t pictures() const { return pictures_; }
   double length_s() const { return static_cast<double>(pictures_) / fps_; }
-  // What the corner shows.
-  const char* eye() const {
-    return !run_.pairs.empty() ? "recorded" : draws_eye_ ? "drawn" : "none";
-  }
+  const char* eye() const { return eye_.kind(); }
   // In order: the recorded eye's picture is the newest until then.
   Result<figure::Image> draw(std::size_t number);
 
  private:
   std::string phase_at(Time now) const;
-  Result<void> open_world(BackendOptions backend);
-  Result<const figure::Image*> eye_at(Time now, const sim::ScenePose& pose,
-                                      const Eigen::Isometry3d& world_from_eye);
+  // Returns the field of view of the eye that can be drawn, rad; nullopt without eyes.
+  Result<std::optional<double>> open_world(BackendOptions backend);
 
-  std::string name_;
-  std::vector<RecordedPoses> poses_;
-  lockstep::RecordedRun run_;
+  std::vector<RecordedPoses> poses_;  // with the left eye as last frame, if it can be drawn
   sim::Scene scene_;
   std::unique_ptr<sim::Renderer> renderer_;
-  bool draws_eye_ = false;  // the last of RecordedPoses::frames is the left eye
-  double eye_view_rad_ = 0;
   std::optional<SlowCamera> camera_;
   std::optional<Corner> corner_;
   std::vector<std::pair<std::uint64_t, std::string>> phases_;  // in order of time
   std::size_t pictures_ = 0;
   int fps_ = 0;
   double pace_ = 1;
-  std::size_t next_pair_ = 0;  // the first that is later than the picture in the corner
-  figure::Image eye_;
+  EyePicture eye_;
 };
 
-Result<void> Film::open_world(BackendOptions backend) {
+Result<std::optional<double>> Film::open_world(BackendOptions backend) {
   const std::string robot =
       backend.robot_file.empty() ? KAZ_TRY(data_file("robot/kaz/kaz.urdf")) : backend.robot_file;
   const auto world = KAZ_TRY(
@@ -165,24 +208,22 @@ Result<void> Film::open_world(BackendOptions backend) {
   scene_ = world->scene();
   renderer_ = KAZ_TRY(sim::make_raster_renderer());
   KAZ_TRY(renderer_->set_scene(scene_));
-  if (world->head_frame() < 0 || backend.eyes == sim::EyeKind::none) return {};
+  if (world->head_frame() < 0 || backend.eyes == sim::EyeKind::none) return std::optional<double>();
   const auto file = KAZ_TRY(
       sim::CameraFile::load(std::filesystem::path(robot).replace_filename("camera.json").string()));
-  eye_view_rad_ = file.eye.rectified_view_rad;
-  draws_eye_ = true;
-  return {};
+  return std::optional<double>(file.eye.rectified_view_rad);
 }
 
 Result<Film> Film::of(const FilmOptions& options) {
   Film film;
-  film.name_ = options.recording;
   const auto recording = KAZ_TRY(sim::McapRecording::load(options.recording));
-  film.run_ = KAZ_TRY(lockstep::RecordedRun::of(recording, options.recording));
+  auto run = KAZ_TRY(lockstep::RecordedRun::of(recording, options.recording));
   auto recorded = KAZ_TRY(recorded_backend(recording, options.recording));
   find_beside(recorded.backend, options.recording);
-  KAZ_TRY(film.open_world(recorded.backend));
+  const auto eye_view_rad = KAZ_TRY(film.open_world(recorded.backend));
+  film.eye_ = EyePicture(options.recording, std::move(run.pairs), eye_view_rad);
   std::vector<std::string> frames(film.scene_.frames.begin() + 1, film.scene_.frames.end());
-  if (film.draws_eye_) frames.emplace_back("left_eye");
+  if (eye_view_rad) frames.emplace_back("left_eye");
   film.poses_ = KAZ_TRY(recorded_poses(recording, frames, options.recording));
   for (RecordedPoses& poses : film.poses_)  // the world itself is frame 0
     poses.frames.insert(poses.frames.begin(), Eigen::Isometry3d::Identity());
@@ -203,32 +244,6 @@ Result<Film> Film::of(const FilmOptions& options) {
   return film;
 }
 
-Result<const figure::Image*> Film::eye_at(Time now, const sim::ScenePose& pose,
-                                          const Eigen::Isometry3d& world_from_eye) {
-  // Before the first picture came the eyes were shut, and what is there is drawn.
-  if (!run_.pairs.empty() && (run_.pairs.front().exposure <= now || !draws_eye_)) {
-    std::size_t next = next_pair_;
-    while (next < run_.pairs.size() && run_.pairs[next].exposure <= now) ++next;
-    if (next == 0 || next == next_pair_) return &eye_;
-    next_pair_ = next;
-    const auto decoded = sim::decode_png(run_.pairs[next - 1].left_png);
-    if (!decoded)
-      return fail(Fault::usage,
-                  name_ + ": cannot decode a picture of the left eye: " + decoded.error().message);
-    eye_ = figure::framed(figure::resize(*decoded, kSeenWidth, kSeenHeight));
-  } else if (draws_eye_) {
-    sim::View view;
-    view.camera = sim::camera_of_view(kSeenWidth, kSeenHeight, eye_view_rad_);
-    view.world_from_optical = world_from_eye;
-    view.samples_per_axis = 2;
-    view.light = scene_.light;
-    figure::Image picture;
-    KAZ_TRY(renderer_->render(pose, view, picture));
-    eye_ = figure::framed(picture);
-  }
-  return &eye_;
-}
-
 std::string Film::phase_at(Time now) const {
   const auto after = std::ranges::upper_bound(phases_, static_cast<std::uint64_t>(now.count()), {},
                                               &std::pair<std::uint64_t, std::string>::first);
@@ -245,7 +260,7 @@ Result<figure::Image> Film::draw(std::size_t number) {
   pose.frames.resize(scene_.frames.size());
   figure::Image picture;
   KAZ_TRY(renderer_->render(pose, outside_view(scene_, camera_->at(now), kWidth), picture));
-  const figure::Image* eye = KAZ_TRY(eye_at(now, pose, last));
+  const figure::Image* eye = KAZ_TRY(eye_.at(now, pose, last, scene_.light, *renderer_));
   const auto [left, top] = corner_->place();
   figure::paste(picture, *eye, left, top);
   char text[80];
