@@ -45,48 +45,26 @@ struct Monitored {
   std::vector<Limits> limits = {};
 };
 
-class Monitor {
+// The board or servo bus at a port, and the connection to it.
+class MonitoredBoard {
  public:
-  Monitor(Monitored monitored, const MonitorOptions& options, host::Interrupt& interrupt)
-      : port_(std::move(monitored.port)),
-        servos_(std::move(monitored.servos)),
-        limits_(std::move(monitored.limits)),
+  MonitoredBoard(host::PortAddress port, std::vector<host::BusJoint> servos,
+                 const MonitorOptions& options, host::Interrupt& interrupt)
+      : port_(std::move(port)),
+        servos_(std::move(servos)),
         address_(options.address),
         tap_(options.tap),
         interrupt_(interrupt),
-        clock_(&interrupt) {
-    view_.port = port_.name();
-    view_.names = std::move(monitored.names);
-    if (!options.watched_at.empty()) said_ = "watch the board at " + options.watched_at;
-  }
+        clock_(&interrupt) {}
 
-  // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
-  Result<void> run() {
-    if (auto connected = connect(); !connected) {
-      if (interrupt_.requested()) return {};
-      return tl::unexpected(with_earlier_notes(connected.error(), port_.name()));
-    }
-    if (!earlier_notes(port_.name()).empty())
-      said_ = "an interrupted run left notes: press q to quit and print the notes";
-    auto terminal = KAZ_TRY(Terminal::open());
-    while (!interrupt_.requested()) {
-      const Time begin = clock_.now();
-      query();
-      for (Key key = terminal.key(); key != Key::none; key = terminal.key()) {
-        if (key == Key::quit) return leave();
-        press(key);
-      }
-      terminal.show(lines(view_, selected_, said_, terminal.rows(), terminal.columns()));
-      // On the robot's clock: it sends heartbeats while motors are on.
-      host::Clock& clock = robot_ ? robot_->clock() : static_cast<host::Clock&>(clock_);
-      if (auto slept = clock.sleep_until(begin + kRound); !slept && !interrupt_.requested())
-        lost(slept.error());
-    }
-    return leave();
-  }
+  std::string port() const { return port_.name(); }
+  // The robot's clock, which sends heartbeats while motors are on; without a robot, this machine's clock.
+  host::Clock& clock() { return robot_ ? robot_->clock() : static_cast<host::Clock&>(clock_); }
+  host::Robot* robot() { return robot_ ? &*robot_ : nullptr; }
+  // Returns the message of PortLink::still_on(); empty without a connection.
+  std::string still_on() const { return link_ ? link_->still_on() : ""; }
 
- private:
-  Result<void> connect() {
+  Result<void> connect(const std::vector<std::string>& joint_names) {
     auto link = KAZ_TRY(host::open_port(port_, &interrupt_));
     if (!servos_.empty()) KAZ_TRY(check_limp(*link));
     if (!servos_.empty())
@@ -102,20 +80,20 @@ class Monitor {
                                       {.address = address_,
                                        .watchdog = Time::zero(),
                                        .reconnect = Time::zero(),
-                                       .joint_names = view_.names});
+                                       .joint_names = joint_names});
     if (!robot) {
       link_.reset();
       return tl::unexpected(robot.error());
     }
     robot_.emplace(std::move(*robot));
-    watched_ = false;
-    wanted_.reset();
-    view_.build = std::to_string(robot_->identity().build_id);
-    round_ = 0;
-    since_ = Time::zero();
     return {};
   }
+  void disconnect() {
+    robot_.reset();
+    link_.reset();
+  }
 
+ private:
   // Opening a bus switches its torque off, and what was held falls: not by looking at it.
   Result<void> check_limp(host::Link& link) {
     if (looked_) return {};
@@ -134,17 +112,97 @@ class Monitor {
     return {};
   }
 
+  host::PortAddress port_;
+  std::vector<host::BusJoint> servos_;  // empty: a board
+  std::uint8_t address_;
+  sim::MessageTap* tap_;
+  host::Interrupt& interrupt_;
+  host::WallClock clock_;
+  std::unique_ptr<host::PortLink> link_;
+  std::unique_ptr<LineRecorder> tapped_;  // of viewers
+  std::optional<host::Robot> robot_;
+  bool looked_ = false;  // check_limp() succeeded
+};
+
+// Rate of the rounds of requests.
+class RoundRate {
+ public:
+  void begin() { since_ = Time::zero(); }
+  void count() { ++rounds_; }
+  // Returns the rounds per second since the last measurement; nullopt if this was less than 300 ms ago.
+  std::optional<double> measure(Time now) {
+    if (now - since_ <= std::chrono::milliseconds(300)) return std::nullopt;
+    std::optional<double> rate;
+    if (since_ > Time::zero()) rate = rounds_ / seconds(now - since_);
+    since_ = now;
+    rounds_ = 0;
+    return rate;
+  }
+
+ private:
+  Time since_{};
+  int rounds_ = 0;
+};
+
+class Monitor {
+ public:
+  Monitor(Monitored monitored, const MonitorOptions& options, host::Interrupt& interrupt)
+      : board_(std::move(monitored.port), std::move(monitored.servos), options, interrupt),
+        limits_(std::move(monitored.limits)),
+        interrupt_(interrupt) {
+    view_.port = board_.port();
+    view_.names = std::move(monitored.names);
+    if (!options.watched_at.empty()) said_ = "watch the board at " + options.watched_at;
+  }
+
+  // Errors: the board is not there at the start. Later ones are shown, and the board is sought.
+  Result<void> run() {
+    if (auto connected = connect(); !connected) {
+      if (interrupt_.requested()) return {};
+      return tl::unexpected(with_earlier_notes(connected.error(), board_.port()));
+    }
+    if (!earlier_notes(board_.port()).empty())
+      said_ = "an interrupted run left notes: press q to quit and print the notes";
+    auto terminal = KAZ_TRY(Terminal::open());
+    while (!interrupt_.requested()) {
+      const Time begin = board_.clock().now();
+      query();
+      for (Key key = terminal.key(); key != Key::none; key = terminal.key()) {
+        if (key == Key::quit) return leave();
+        press(key);
+      }
+      terminal.show(lines(view_, selected_, said_, terminal.rows(), terminal.columns()));
+      if (auto slept = board_.clock().sleep_until(begin + kRound);
+          !slept && !interrupt_.requested())
+        lost(slept.error());
+    }
+    return leave();
+  }
+
+ private:
+  Result<void> connect() {
+    KAZ_TRY(board_.connect(view_.names));
+    watched_ = false;
+    wanted_.reset();
+    view_.build = std::to_string(robot().identity().build_id);
+    round_ = 0;
+    rate_.begin();
+    return {};
+  }
+
+  // Only while the board is connected.
+  host::Robot& robot() { return *board_.robot(); }
+
   void lost(const Error& error) {
     view_.there = false;
     view_.fault = error.message;
-    robot_.reset();
-    link_.reset();
-    next_try_ = clock_.now() + std::chrono::seconds(1);
+    board_.disconnect();
+    next_try_ = board_.clock().now() + std::chrono::seconds(1);
   }
 
   void query() {
-    if (!robot_) {
-      if (clock_.now() < next_try_) return;
+    if (!board_.robot()) {
+      if (board_.clock().now() < next_try_) return;
       if (auto again = connect(); !again) return lost(again.error());
       said_ = "the board answers again";
     }
@@ -152,29 +210,24 @@ class Monitor {
   }
 
   Result<void> read() {
-    auto joints = KAZ_TRY(robot_->joints(host::kAllJoints));
-    const auto targets = KAZ_TRY(robot_->read_targets());
-    ++rounds_;
+    auto joints = KAZ_TRY(robot().joints(host::kAllJoints));
+    const auto targets = KAZ_TRY(robot().read_targets());
+    rate_.count();
     if (round_++ % kSlow == 0) {
-      const auto health = KAZ_TRY(robot_->health());
-      const auto counts = KAZ_TRY(robot_->board_statistics());
+      const auto health = KAZ_TRY(robot().health());
+      const auto counts = KAZ_TRY(robot().board_statistics());
       view_.health = health;
       view_.counts = counts;
-      view_.fault = health.shutdown.empty() ? "" : robot_->describe_fault(health.status);
+      view_.fault = health.shutdown.empty() ? "" : robot().describe_fault(health.status);
       // What line 1 says already would push what to do out of the line.
       if (const auto at = view_.fault.find("went off: "); at != std::string::npos)
         view_.fault.erase(0, at + std::string_view("went off: ").size());
-      const Time now = clock_.now();
-      if (now - since_ > std::chrono::milliseconds(300)) {
-        if (since_ > Time::zero()) view_.rounds_per_s = rounds_ / seconds(now - since_);
-        since_ = now;
-        rounds_ = 0;
-      }
+      if (const auto rate = rate_.measure(board_.clock().now())) view_.rounds_per_s = *rate;
     }
     view_.joints = std::move(joints);
     wanted_ = wanted_.value_or(on()) & on();
     view_.targets = targets;
-    view_.link = robot_->statistics();
+    view_.link = robot().statistics();
     view_.there = true;
     return {};
   }
@@ -196,13 +249,13 @@ class Monitor {
   // that the next key does not switch it on again.
   Result<void> enable(std::uint32_t mask) {
     wanted_ = mask;
-    leaves_behind("the motors on " + port_.name() + " may still be on: cut their power");
+    leaves_behind("the motors on " + board_.port() + " may still be on: cut their power");
     // Motors go on only with a link watchdog that switches them off if this program stops.
     if (!watched_) {
       watched_ = true;  // also if the reply does not come any more
-      KAZ_TRY(robot_->heartbeat(kWatchdog, host::Reaction::limp));
+      KAZ_TRY(robot().heartbeat(kWatchdog, host::Reaction::limp));
     }
-    return robot_->enable(mask);
+    return robot().enable(mask);
   }
 
   Result<void> shift(double by_rad) {
@@ -212,7 +265,7 @@ class Monitor {
     const double from = view_.targets[static_cast<std::size_t>(selected_)];
     const double to = std::clamp(from + by_rad, limits.lower_rad, limits.upper_rad);
     const host::JointTarget target{selected_, to};
-    if (auto set = robot_->set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
+    if (auto set = robot().set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
         !set)
       return set;
     // Shown until the next reading of the board, so that keys pressed quickly add up.
@@ -245,11 +298,11 @@ class Monitor {
       case Key::stop:
         said_ = "stopped: all motors are off";
         wanted_ = 0;
-        return robot_->stop();
+        return robot().stop();
       case Key::clear:
         said_ = on() != 0 ? "no shutdown was latched; motors stay on"
                           : "no shutdown is latched now; motors stay off";
-        return robot_->clear();
+        return robot().clear();
       default:
         return {};
     }
@@ -259,7 +312,7 @@ class Monitor {
     if (key == Key::up) selected_ = (selected_ + joints() - 1) % joints();
     if (key == Key::down) selected_ = (selected_ + 1) % joints();
     if (key == Key::up || key == Key::down) return;
-    if (!robot_) {
+    if (!board_.robot()) {
       said_ = "no board answers";
       return;
     }
@@ -269,37 +322,31 @@ class Monitor {
 
   Result<void> leave() {
     // What it switched on, and the watchdog; a board that it only looked at is left as it was.
-    if (!watched_ && (!link_ || link_->still_on().empty())) return {};
-    if (!robot_)
+    if (!watched_ && board_.still_on().empty()) return {};
+    if (!board_.robot())
       return fail(Fault::environment,
-                  "motors were switched on, and the board no longer answers on " + port_.name() +
+                  "motors were switched on, and the board no longer answers on " + board_.port() +
                       ": cut their power");
     const host::CleanUp clean_up(interrupt_);
-    const auto off = robot_->disable_all();
-    const kz_identify_reply& was = robot_->identity();
-    (void)robot_->heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,
+    const auto off = robot().disable_all();
+    const kz_identify_reply& was = robot().identity();
+    (void)robot().heartbeat(std::chrono::milliseconds(10) * was.watchdog_10ms,
                             static_cast<host::Reaction>(was.reaction));
-    if (const std::string on = off ? "" : link_->still_on(); !on.empty())
-      return fail(Fault::environment, port_.name() + ": " + on);
+    if (const std::string on = off ? "" : board_.still_on(); !on.empty())
+      return fail(Fault::environment, board_.port() + ": " + on);
     if (off) leaves_behind("");
     return off;
   }
 
-  host::PortAddress port_;
-  std::vector<host::BusJoint> servos_;
+  MonitoredBoard board_;
   std::vector<Limits> limits_;
-  std::uint8_t address_;
-  sim::MessageTap* tap_;
   host::Interrupt& interrupt_;
-  host::WallClock clock_;
-  std::unique_ptr<host::PortLink> link_;
-  std::unique_ptr<LineRecorder> tapped_;  // of viewers
-  std::optional<host::Robot> robot_;
   BoardView view_;
-  int selected_ = 0, round_ = 0, rounds_ = 0;
-  bool watched_ = false, looked_ = false;
+  int selected_ = 0, round_ = 0;
+  RoundRate rate_;
+  bool watched_ = false;
   std::optional<std::uint32_t> wanted_;  // joints that are to be on; none: not read yet
-  Time since_{}, next_try_{};
+  Time next_try_{};
   std::string said_ = "the monitor only reads until you press a key; e or E switches motors on";
 };
 
