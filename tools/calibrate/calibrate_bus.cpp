@@ -80,44 +80,17 @@ std::vector<Change> changes_of(const Names& names, const RangeRegisters& before,
   return all;
 }
 
-class BusCalibration {
+// The servos' registers and positions, on one port.
+class CalibratedServos {
  public:
-  explicit BusCalibration(const BusCalibrationOptions& options) : options_(options) {}
+  CalibratedServos(Protocol protocol, std::unique_ptr<host::PortLink> port, host::Clock& clock)
+      : protocol_(protocol),
+        port_(std::move(port)),
+        driver_(BusDriver::make(protocol, *port_, clock)) {}
 
-  Result<ExitStatus> run() {
-    const InterruptSignals signals(interrupt_);
-    if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
-    path_ = servo_bus::bus_file_path(options_.backend.robot_file);
-    auto bus = KAZ_TRY(open_servo_bus(options_.backend, interrupt_));
-    protocol_ = bus.protocol;
-    port_ = std::move(bus.port);
-    joints_ = std::move(bus.joints);
-    text_ = KAZ_TRY(read_whole_file(path_, 1 << 20, "bus.json"));
-    // Where it cannot be written is known before anybody turns anything.
-    if (options_.store) file_ = KAZ_TRY(OutputFile::open(path_, "--robot-file"));
-    driver_ = BusDriver::make(protocol_, *port_, clock_);
-    KAZ_TRY(look());
-    if (folder_) KAZ_TRY(folder_->clear());
-    KAZ_TRY(sweep());
-    plan();
-    if (!options_.json) print();
-    bool good = true;
-    for (const RangePlan& one : plans_) good = good && one.fault.empty();
-    if (good && options_.store) KAZ_TRY(store());
-    const Json result = json();
-    if (folder_) KAZ_TRY(folder_->write_json("result.json", result));
-    if (options_.json) print_json(result);
-    if (!good)
-      std::fprintf(stderr, "%s: not all joints have a good range; nothing is written\n", kVerb);
-    return ExitStatus(good);
-  }
-
- private:
-  std::vector<const BusServo*> servos() const {
-    std::vector<const BusServo*> all;
-    for (const BusJoint& joint : joints_) all.push_back(&joint.servo);
-    return all;
-  }
+  Protocol protocol() const { return protocol_; }
+  std::string port() const { return port_->name(); }
+  BusDriver& driver() { return *driver_; }
 
   tl::unexpected<Error> silent(const BusServo& servo) const {
     return tl::unexpected(silent_servo(servo, port_->name()));
@@ -140,25 +113,104 @@ class BusCalibration {
     return now;
   }
 
+  // Writes the registers that differ.
+  Result<void> write(const BusServo& servo, const RangeRegisters& from, const RangeRegisters& to) {
+    const auto changes = changes_of(names_of(protocol_), from, to);
+    if (changes.empty()) return {};
+    const bool locks = servo.model->find("lock") != nullptr;
+    const int locked = locks ? KAZ_TRY(read(servo, "lock")) : 0;
+    if (locks) KAZ_TRY(set(servo, "lock", 0));
+    Result<void> done;
+    for (const Change& one : changes)
+      if (done) done = set(servo, one.name, one.after);
+    if (locks) done = together(done, set(servo, "lock", locked));
+    return done;
+  }
+
+  Result<double> position(const BusServo& servo) {
+    const BusServo* one[] = {&servo};
+    for (int tries = 0; tries < 3; ++tries) {
+      const auto states = KAZ_TRY(driver_->read_all(one));
+      if (states[0]) return states[0]->steps;
+    }
+    return silent(servo);
+  }
+
+ private:
+  // Read back; a write that was not acknowledged may have been done.
+  Result<void> set(const BusServo& servo, const char* name, int value) {
+    for (int tries = 0; tries < 3; ++tries) {
+      (void)KAZ_TRY(driver_->write(servo, name, value));
+      const auto now = KAZ_TRY(driver_->read(servo, name));
+      if (now == value) return {};
+    }
+    return fail(Fault::environment, named(servo) + " on " + port_->name() + " does not accept " +
+                                        std::to_string(value) + " for its register " + name);
+  }
+
+  Protocol protocol_;
+  std::unique_ptr<host::PortLink> port_;
+  std::unique_ptr<BusDriver> driver_;  // refers to the port
+};
+
+class BusCalibration {
+ public:
+  explicit BusCalibration(const BusCalibrationOptions& options) : options_(options) {}
+
+  Result<ExitStatus> run() {
+    const InterruptSignals signals(interrupt_);
+    if (!options_.out.empty()) folder_ = KAZ_TRY(OutputFolder::open(options_.out, joints_output()));
+    file_.path = servo_bus::bus_file_path(options_.backend.robot_file);
+    auto bus = KAZ_TRY(open_servo_bus(options_.backend, interrupt_));
+    joints_ = std::move(bus.joints);
+    file_.text = KAZ_TRY(read_whole_file(file_.path, 1 << 20, "bus.json"));
+    // Where it cannot be written is known before anybody turns anything.
+    if (options_.store) file_.out = KAZ_TRY(OutputFile::open(file_.path, "--robot-file"));
+    servos_.emplace(bus.protocol, std::move(bus.port), clock_);
+    KAZ_TRY(look());
+    if (folder_) KAZ_TRY(folder_->clear());
+    KAZ_TRY(sweep());
+    plan();
+    if (!options_.json) print();
+    bool good = true;
+    for (const RangePlan& one : plans_) good = good && one.fault.empty();
+    if (good && options_.store) KAZ_TRY(store());
+    const Json result = json();
+    if (folder_) KAZ_TRY(folder_->write_json("result.json", result));
+    if (options_.json) print_json(result);
+    if (!good)
+      std::fprintf(stderr, "%s: not all joints have a good range; nothing is written\n", kVerb);
+    return ExitStatus(good);
+  }
+
+ private:
+  std::vector<const BusServo*> all_servos() const {
+    std::vector<const BusServo*> all;
+    for (const BusJoint& joint : joints_) all.push_back(&joint.servo);
+    return all;
+  }
+
   // Each servo is there, of its model, without torque.
   Result<void> look() {
-    const std::string model = protocol_ == Protocol::feetech ? "model" : "model_number",
-                      mode = protocol_ == Protocol::feetech ? "mode" : "operating_mode";
+    const std::string model = servos_->protocol() == Protocol::feetech ? "model" : "model_number",
+                      mode = servos_->protocol() == Protocol::feetech ? "mode" : "operating_mode";
     for (const BusJoint& joint : joints_) {
       const BusServo& servo = joint.servo;
-      if (const int number = KAZ_TRY(read(servo, model)); number != servo.model->number)
-        return fail(Fault::usage, named(servo) + " on " + port_->name() + " has model number " +
+      if (const int number = KAZ_TRY(servos_->read(servo, model)); number != servo.model->number)
+        return fail(Fault::usage, named(servo) + " on " + servos_->port() + " has model number " +
                                       std::to_string(number) + ", but bus.json gives " +
                                       std::string(servo.model->name));
       if (servo.model->find(mode) != nullptr) {
-        if (const int now = KAZ_TRY(read(servo, mode)); now != driver_->position_mode())
-          return fail(Fault::usage, named(servo) + " on " + port_->name() + " is in mode " +
+        if (const int now = KAZ_TRY(servos_->read(servo, mode));
+            now != servos_->driver().position_mode())
+          return fail(Fault::usage, named(servo) + " on " + servos_->port() + " is in mode " +
                                         std::to_string(now) + ": set it to the position mode, " +
-                                        std::to_string(driver_->position_mode()));
+                                        std::to_string(servos_->driver().position_mode()));
       }
     }
-    KAZ_TRY(require_limp(*driver_, joints_, port_->name(), options_.release));
-    for (const BusJoint& joint : joints_) before_.push_back(KAZ_TRY(registers_of(joint.servo)));
+    KAZ_TRY(require_limp(servos_->driver(), joints_, servos_->port(), options_.release));
+    for (const BusJoint& joint : joints_)
+      before_.push_back(KAZ_TRY(servos_->registers_of(joint.servo)));
     for (const BusJoint& joint : joints_) sweeps_.emplace_back(*joint.servo.model);
     return {};
   }
@@ -188,14 +240,14 @@ class BusCalibration {
                    "other, in any order; the measurement ends by itself\n",
                    kVerb);
     Progress progress(kVerb, options_.json);
-    const auto all = servos();
+    const auto all = all_servos();
     const Time begin = clock_.now(), end = begin + from_seconds(options_.seconds);
     std::vector<Time> heard(all.size(), begin);
     double widths = 0;
     Time grown = begin;
     for (Time next = begin; next < end; next += kPeriod) {
       KAZ_TRY(clock_.sleep_until(next));
-      const auto states = KAZ_TRY(driver_->read_all(all));
+      const auto states = KAZ_TRY(servos_->driver().read_all(all));
       next = std::max(next, clock_.now() - kPeriod);
       double sum = 0, shares = 0, least = 1;
       for (std::size_t j = 0; j < all.size(); ++j) {
@@ -203,7 +255,7 @@ class BusCalibration {
           sweeps_[j].add(states[j]->steps);
           heard[j] = clock_.now();
         } else if (clock_.now() - heard[j] > kLost) {
-          return silent(*all[j]);
+          return servos_->silent(*all[j]);
         }
         sum += sweeps_[j].width();
         shares += share(j);
@@ -255,10 +307,11 @@ class BusCalibration {
     FILE* to = options_.json ? stderr : stdout;
     std::fprintf(to, writes_eeprom() ? "to be written to EEPROM:\n" : "no changes in EEPROM\n");
     for (std::size_t j = 0; j < joints_.size(); ++j)
-      for (const Change& one : changes_of(names_of(protocol_), before_[j], plans_[j].registers))
+      for (const Change& one :
+           changes_of(names_of(servos_->protocol()), before_[j], plans_[j].registers))
         std::fprintf(to, "  %-32s %-18s %6d -> %d\n", named(joints_[j].servo).c_str(), one.name,
                      one.before, one.after);
-    std::fprintf(to, "the new zero positions are to be written to %s\n", path_.c_str());
+    std::fprintf(to, "the new zero positions are to be written to %s\n", file_.path.c_str());
     std::fflush(to);
     if (options_.yes) return {};
     const auto reply = KAZ_TRY(prompt_user("Press Enter to write, n to stop", interrupt_, kNobody));
@@ -266,52 +319,18 @@ class BusCalibration {
     return fail(Fault::failed, "stopped; nothing is written");
   }
 
-  // Read back; a write that was not acknowledged may have been done.
-  Result<void> set(const BusServo& servo, const char* name, int value) {
-    for (int tries = 0; tries < 3; ++tries) {
-      (void)KAZ_TRY(driver_->write(servo, name, value));
-      const auto now = KAZ_TRY(driver_->read(servo, name));
-      if (now == value) return {};
-    }
-    return fail(Fault::environment, named(servo) + " on " + port_->name() + " does not accept " +
-                                        std::to_string(value) + " for its register " + name);
-  }
-
-  Result<void> write(std::size_t j, const RangeRegisters& from, const RangeRegisters& to) {
-    const BusServo& servo = joints_[j].servo;
-    const auto changes = changes_of(names_of(protocol_), from, to);
-    if (changes.empty()) return {};
-    const bool locks = servo.model->find("lock") != nullptr;
-    const int locked = locks ? KAZ_TRY(read(servo, "lock")) : 0;
-    if (locks) KAZ_TRY(set(servo, "lock", 0));
-    Result<void> done;
-    for (const Change& one : changes)
-      if (done) done = set(servo, one.name, one.after);
-    if (locks) done = together(done, set(servo, "lock", locked));
-    return done;
-  }
-
-  Result<double> position(const BusServo& servo) {
-    const BusServo* one[] = {&servo};
-    for (int tries = 0; tries < 3; ++tries) {
-      const auto states = KAZ_TRY(driver_->read_all(one));
-      if (states[0]) return states[0]->steps;
-    }
-    return silent(servo);
-  }
-
   // The position moves as published, or else the angles would be others than planned.
   Result<void> write_and_check(std::size_t j) {
     const BusServo& servo = joints_[j].servo;
-    const double before = KAZ_TRY(position(servo));
-    KAZ_TRY(write(j, before_[j], plans_[j].registers));
+    const double before = KAZ_TRY(servos_->position(servo));
+    KAZ_TRY(servos_->write(servo, before_[j], plans_[j].registers));
     const double by = plans_[j].registers.offset - before_[j].offset;
-    const double wanted = before + (protocol_ == Protocol::feetech ? -by : by);
-    double off = KAZ_TRY(position(servo)) - wanted;
+    const double wanted = before + (servos_->protocol() == Protocol::feetech ? -by : by);
+    double off = KAZ_TRY(servos_->position(servo)) - wanted;
     off -= servo.model->steps * std::round(off / servo.model->steps);
     if (by != 0 && std::abs(off) > kSags)
       return fail(Fault::environment,
-                  named(servo) + " on " + port_->name() +
+                  named(servo) + " on " + servos_->port() +
                       " does not shift its position as documented: the position is " +
                       std::to_string(std::lround(off)) +
                       " steps off (docs/reference/servo-bus.md)");
@@ -330,12 +349,13 @@ class BusCalibration {
       zeros[joints_[written].servo.joint] = plans_[written].zero;
       done = write_and_check(written);
     }
-    if (done) done = file_->write(servo_bus::with_zeros(text_, zeros));
+    if (done) done = file_.out->write(servo_bus::with_zeros(file_.text, zeros));
     if (!done) {
       Result<void> back;
       for (std::size_t j = 0; j < written; ++j) {
-        const auto now = registers_of(joints_[j].servo);
-        back = together(back, now ? write(j, *now, before_[j]) : tl::unexpected(now.error()));
+        const auto now = servos_->registers_of(joints_[j].servo);
+        back = together(back, now ? servos_->write(joints_[j].servo, *now, before_[j])
+                                  : tl::unexpected(now.error()));
       }
       leaves_behind("");
       if (!back)
@@ -347,13 +367,14 @@ class BusCalibration {
     }
     leaves_behind("");
     stored_ = true;
-    if (!options_.json) std::printf("written and verified; the zeros are in %s\n", path_.c_str());
+    if (!options_.json)
+      std::printf("written and verified; the zeros are in %s\n", file_.path.c_str());
     return {};
   }
 
   Json json() const {
-    Json all{{"port", port_->name()},
-             {"protocol", servo_bus::name_of(protocol_)},
+    Json all{{"port", servos_->port()},
+             {"protocol", servo_bus::name_of(servos_->protocol())},
              {"robot_file", options_.backend.robot_file},
              {"stored", stored_},
              {"joints", Json::array()}};
@@ -371,7 +392,8 @@ class BusCalibration {
         one["steps"] = {plan.low, plan.high};
         one["zero"] = {{"before", servo.zero}, {"after", plan.zero}};
         one["eeprom"] = Json::object();
-        for (const Change& change : changes_of(names_of(protocol_), before_[j], plan.registers))
+        for (const Change& change :
+             changes_of(names_of(servos_->protocol()), before_[j], plan.registers))
           one["eeprom"][change.name] = {{"before", change.before}, {"after", change.after}};
       }
       all["joints"].push_back(one);
@@ -383,12 +405,13 @@ class BusCalibration {
   const BusCalibrationOptions& options_;
   host::Interrupt interrupt_;
   host::WallClock clock_{&interrupt_};
-  std::string path_, text_;  // of bus.json
+  struct BusFile {
+    std::string path, text;
+    std::optional<OutputFile> out;
+  };
+  BusFile file_;
   std::optional<OutputFolder> folder_;
-  std::optional<OutputFile> file_;
-  Protocol protocol_ = Protocol::feetech;
-  std::unique_ptr<host::PortLink> port_;
-  std::unique_ptr<BusDriver> driver_;  // refers to the port
+  std::optional<CalibratedServos> servos_;  // refers to the clock
   std::vector<BusJoint> joints_;
   std::vector<RangeRegisters> before_;
   std::vector<RangeSweep> sweeps_;

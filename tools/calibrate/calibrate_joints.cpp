@@ -151,8 +151,8 @@ class Calibration {
     if (!options_.memory.empty()) {
       std::error_code none;
       if (fs::exists(options_.memory, none) && fs::file_size(options_.memory, none) > 0)
-        memory_ = KAZ_TRY(read_memory(options_.memory));
-      memory_file_ = KAZ_TRY(OutputFile::open(options_.memory, "--memory"));
+        memory_.before = KAZ_TRY(read_memory(options_.memory));
+      memory_.out = KAZ_TRY(OutputFile::open(options_.memory, "--memory"));
     }
     KAZ_TRY(open(report_.stops));
     if (folder_) KAZ_TRY(folder_->clear());
@@ -169,7 +169,7 @@ class Calibration {
     BackendOptions backend = options_.backend;
     backend.needs_camera = false;
     backend.suspended = suspended;
-    backend.memory = memory_;
+    backend.memory = memory_.before;
     count_time();
     robot_.reset();
     backend_.reset();
@@ -388,7 +388,7 @@ class Calibration {
     if (options_.json) return ExitStatus();
     if (!report_.stored)
       std::printf("not stored because of --no-store\n");
-    else if (memory_file_)
+    else if (memory_.out)
       std::printf("stored in %s\n", options_.memory.c_str());
     else if (port())
       std::printf("stored in the flash of the board on %s, as copy number %d\n",
@@ -421,9 +421,9 @@ class Calibration {
       (void)robot_->set_calibration(host::kAllJoints, report_.before);
       return tl::unexpected(stored.error());
     }
-    if (memory_file_) {
-      KAZ_TRY(sim::save_memory(backend_->simulation()->board().mcu(), memory_file_->part()));
-      KAZ_TRY(memory_file_->commit());
+    if (memory_.out) {
+      KAZ_TRY(sim::save_memory(backend_->simulation()->board().mcu(), memory_.out->part()));
+      KAZ_TRY(memory_.out->commit());
     }
     report_.stored = *stored;
     return {};
@@ -434,8 +434,11 @@ class Calibration {
   std::vector<Gauge> gauges_;
   JointReport report_;
   std::optional<OutputFolder> folder_;
-  std::string memory_;  // BackendOptions::memory
-  std::optional<OutputFile> memory_file_;
+  struct Memory {
+    std::string before;  // BackendOptions::memory
+    std::optional<OutputFile> out;
+  };
+  Memory memory_;  // of the virtual board, option --memory
   std::optional<Progress> progress_;
   std::unique_ptr<SessionBackend> backend_;
   std::unique_ptr<KeptRun> kept_;  // refers to the backend

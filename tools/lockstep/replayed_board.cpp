@@ -90,15 +90,17 @@ Result<void> ReplayedBoard::step() {
   compare(line_.take_for_board(end), end);
   if (difference_) return stop("the host differs from the recording");
 
-  const auto first = run_.to_host.begin() + static_cast<std::ptrdiff_t>(given_);
+  const auto first = run_.to_host.begin() + static_cast<std::ptrdiff_t>(processed_.given);
   const auto last = std::find_if(first, run_.to_host.end(),
                                  [end](const sim::SerialByte& byte) { return byte.at > end; });
   line_.from_board({first, last});
-  given_ += static_cast<std::size_t>(last - first);
+  processed_.given += static_cast<std::size_t>(last - first);
 
   now_ = end;
-  for (; exposed_ < run_.pairs.size() && run_.pairs[exposed_].exposure <= time(); ++exposed_) {
-    arriving_.push_back(&run_.pairs[exposed_]);
+  for (;
+       processed_.exposed < run_.pairs.size() && run_.pairs[processed_.exposed].exposure <= time();
+       ++processed_.exposed) {
+    arriving_.push_back(&run_.pairs[processed_.exposed]);
     if (arriving_.size() > kMaxKept) arriving_.pop_front();
   }
   return {};
@@ -106,12 +108,13 @@ Result<void> ReplayedBoard::step() {
 
 void ReplayedBoard::compare(std::span<const sim::SerialByte> arrived, sim::States end) {
   for (std::size_t k = 0;; ++k) {
-    const bool expected = compared_ < run_.to_board.size() && run_.to_board[compared_].at <= end;
+    const bool expected =
+        processed_.compared < run_.to_board.size() && run_.to_board[processed_.compared].at <= end;
     if (k == arrived.size() && !expected) return;
-    if (k == arrived.size() || !expected || !same(arrived[k], run_.to_board[compared_]))
+    if (k == arrived.size() || !expected || !same(arrived[k], run_.to_board[processed_.compared]))
       return differ(arrived, k);
     sent_.push_back(arrived[k].value);
-    ++compared_;
+    ++processed_.compared;
   }
 }
 
@@ -122,7 +125,7 @@ void ReplayedBoard::differ(std::span<const sim::SerialByte> arrived, std::size_t
                                            arrived.end());
   for (const auto& byte : line_.take_for_board(std::numeric_limits<sim::States>::max()))
     here.push_back(byte);
-  const std::span there = std::span(run_.to_board).subspan(compared_);
+  const std::span there = std::span(run_.to_board).subspan(processed_.compared);
   const std::size_t offset = sent_.size();
   const auto whole = [&](std::span<const sim::SerialByte> rest) {
     auto bytes = sent_;
@@ -173,8 +176,8 @@ Result<std::optional<vision::StereoPair>> ReplayedBoard::next_pair() {
 void ReplayedBoard::think(const std::string& json) {
   if (run_.cut_off && error_) return;  // the run went on, but the recording did not
   const RecordedRun::Thought* recorded =
-      thought_ < run_.thoughts.size() ? &run_.thoughts[thought_] : nullptr;
-  ++thought_;
+      processed_.thought < run_.thoughts.size() ? &run_.thoughts[processed_.thought] : nullptr;
+  ++processed_.thought;
   if (other_thought_ || (recorded && recorded->time == time() && recorded->json == json)) return;
   const std::string then =
       recorded ? recorded->json + ", at " + time_text(recorded->time) : "nothing";
@@ -185,14 +188,14 @@ void ReplayedBoard::think(const std::string& json) {
 void ReplayedBoard::finish() {
   const bool at_cut = run_.cut_off && now_ >= run_.end;
   if ((error_ && !at_cut) || difference_) return;
-  if (compared_ < run_.to_board.size()) return differ({}, 0);
+  if (processed_.compared < run_.to_board.size()) return differ({}, 0);
   if (now_ < run_.end)
     difference_ = {time(), "the end",
                    "the host continues until " + time_text(sim::time_of(run_.end)),
                    "the host has ended"};
-  if (thought_ < run_.thoughts.size() && !other_thought_)
-    other_thought_ = {run_.thoughts[thought_].time, "the behavior's record",
-                      run_.thoughts[thought_].json, "nothing"};
+  if (processed_.thought < run_.thoughts.size() && !other_thought_)
+    other_thought_ = {run_.thoughts[processed_.thought].time, "the behavior's record",
+                      run_.thoughts[processed_.thought].json, "nothing"};
 }
 
 Result<void> ReplayClock::sleep_until(Time t) {

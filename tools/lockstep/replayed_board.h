@@ -72,7 +72,10 @@ class ReplayedBoard {
   sim::SerialLine line_;
   sim::States now_ = 0;
   // Number of items of the recording that were processed, for each kind of item.
-  std::size_t compared_ = 0, given_ = 0, exposed_ = 0, thought_ = 0;
+  struct Processed {
+    std::size_t compared = 0, given = 0, exposed = 0, thought = 0;
+  };
+  Processed processed_;
   std::vector<std::uint8_t> sent_;  // bytes that reached the board
   std::deque<const RecordedRun::Pair*> arriving_;
   std::optional<HostDifference> difference_, other_thought_;
