@@ -1,4 +1,4 @@
-// Looks at trunk and ball, and decides.
+// Watches what the robot touches and where it goes, and decides.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/judge.h"
 
@@ -8,7 +8,7 @@
 
 #include "shared/base/angle.hpp"
 #include "shared/base/number_text.hpp"
-#include "sim/body/description/world_model.h"
+#include "sim/body/world/world.h"
 #include "sim/runtime/simulation/simulation.h"
 #include "tools/eval/scenario.h"
 
@@ -19,30 +19,12 @@ using behavior::Criterion;
 namespace {
 
 constexpr double kGoal_m = 0.05, kGoalHeading = 10 * kDegree;
-constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
-constexpr double kLies = 60 * kDegree;
-// Of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting or lying.
-constexpr double kHigh_m = 0.11;
 constexpr double kLasting_s = 3;
-constexpr double kFound = 5 * kDegree, kTracked = 3 * kDegree, kTrackedShare = 0.9;
+constexpr double kFound = 5 * kDegree, kTrackedShare = 0.9;
 // Where a ball lies before a hand, m from the ankles' midpoint: ahead, to either side, and how far off.
 constexpr double kReachAhead_m = 0.100, kReachAside_m = 0.047;
 constexpr double kReachOffAhead_m = 0.026, kReachOffAside_m = 0.027;
 constexpr double kDistanceShare = 0.1, kWalkHeading = 8 * kDegree, kTurned = 6 * kDegree;
-
-double yaw_of(const Eigen::Isometry3d& pose) {
-  const Eigen::Vector3d ahead = pose.linear().col(0);
-  return std::atan2(ahead.y(), ahead.x());
-}
-
-double height_of(const std::optional<Eigen::Isometry3d>& pose) {
-  return pose ? pose->translation().z() : 0;
-}
-
-// Angle between directions, rad.
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 std::optional<Eigen::Isometry3d> pose_of(const sim::World& world, const char* link) {
   const auto links = world.link_order();
@@ -80,14 +62,14 @@ void Judge::watch_map(const std::vector<Obstacle>& obstacles,
 void Judge::map(const behavior::MapReport& report) {
   if (map_)
     map_->compare(report,
-                  Eigen::Translation2d(forward_m(), aside_m()) * Eigen::Rotation2Dd(heading_));
+                  Eigen::Translation2d(forward_m(), aside_m()) * Eigen::Rotation2Dd(heading_rad()));
   if (way_) way_->plan(report.time, report.path);
 }
 
 void Judge::look(sim::Simulation& simulation) {
   if (ended_) return;
   sim::World& world = simulation.world();
-  if (options_.watches_touch && !start_) world.watch_contacts(true);
+  if (options_.watches_touch && !body_.started()) world.watch_contacts(true);
   Truth truth{.time = simulation.time(),
               .trunk = world.link_pose("trunk"),
               .left_foot = pose_of(world, "l_ankle_pitch"),
@@ -120,65 +102,21 @@ void Judge::look_at_outlines(sim::Simulation& simulation) {
 void Judge::look(const Truth& truth) {
   if (ended_) return;
   last_ = truth;
-  if (!start_) {
-    start_ = truth.trunk;
-    last_yaw_ = yaw_of(truth.trunk);
-    left_foot_m_ = height_of(truth.left_foot);
-    right_foot_m_ = height_of(truth.right_foot);
-  }
-  if (!first_step_ && (height_of(truth.left_foot) > left_foot_m_ + sim::kFirstStep ||
-                       height_of(truth.right_foot) > right_foot_m_ + sim::kFirstStep))
-    first_step_ = truth.time;
-  const double up = truth.trunk.linear()(2, 2);
-  const bool upright = up > std::cos(kUpright);
+  body_.look(truth);
+  ball_.look(truth);
   // What a falling robot touches is not why it failed.
-  if (touch_.thing.empty() && !truth.touch.thing.empty() && upright) {
+  if (touch_.thing.empty() && !truth.touch.thing.empty() && body_.upright()) {
     touch_ = truth.touch;
     was_hit_ = way_ && touch_.thing == way_->name() && !way_->arrived();
   }
   if (way_ && truth.moving)
     way_->look(truth.time, start_from_world_ * *truth.moving,
                start_from_world_ * Eigen::Vector2d(truth.trunk.translation().head<2>()));
-  heading_ += std::remainder(yaw_of(truth.trunk) - last_yaw_, 2 * std::numbers::pi);
-  last_yaw_ = yaw_of(truth.trunk);
-  if (up < std::cos(kLies)) fell_ = true;
-  const auto since = [&](std::optional<Time>& begin, bool holds) {
-    if (!holds) begin.reset();
-    if (holds && !begin) begin = truth.time;
-  };
-  since(upright_since_, upright && truth.trunk.translation().z() > kHigh_m);
-  since(held_since_, truth.ball && truth.ball->z() >= options_.ball_radius_m + kClearOfFloor_m);
-  if (truth.ball && truth.left_eye) {
-    const Eigen::Vector3d seen = truth.left_eye->inverse() * *truth.ball;
-    gazes_.push_back({truth.time, angle_between(seen, Eigen::Vector3d::UnitZ()) <= kTracked});
-  }
 }
 
 std::optional<double> Judge::walked_s() const {
-  if (!first_step_) return std::nullopt;
-  return seconds(last_.time - *first_step_);
-}
-
-bool Judge::fell() const {
-  return options_.lies ? last_.trunk.linear()(2, 2) < std::cos(kLies) : fell_;
-}
-
-double Judge::forward_m() const {
-  return start_ ? (start_->inverse() * last_.trunk.translation()).x() : 0;
-}
-double Judge::aside_m() const {
-  return start_ ? (start_->inverse() * last_.trunk.translation()).y() : 0;
-}
-
-double Judge::tracked(double seconds_before) const {
-  if (gazes_.empty() || seconds_before <= 0) return 0;
-  const Time end = last_.time, begin = end - from_seconds(seconds_before);
-  Time near{};
-  for (std::size_t i = 0; i < gazes_.size(); ++i) {
-    const Time until = i + 1 < gazes_.size() ? gazes_[i + 1].time : end;
-    if (gazes_[i].near && until > begin) near += until - std::max(gazes_[i].time, begin);
-  }
-  return seconds(near) / seconds_before;
+  if (!body_.first_step()) return std::nullopt;
+  return seconds(last_.time - *body_.first_step());
 }
 
 std::optional<Eigen::Vector3d> Judge::ball_direction() const {
@@ -198,12 +136,12 @@ std::optional<Eigen::Vector2d> Judge::ball_from_feet_m() const {
 }
 
 nlohmann::ordered_json Judge::json() const {
-  if (!start_) return nlohmann::ordered_json::object();  // nothing was seen
+  if (!body_.started()) return nlohmann::ordered_json::object();  // nothing was seen
   nlohmann::ordered_json json{{"fell", fell()},
                               {"upright_s", upright_s()},
                               {"forward_m", forward_m()},
                               {"aside_m", aside_m()},
-                              {"heading_deg", heading_ / kDegree}};
+                              {"heading_deg", heading_rad() / kDegree}};
   if (!touched().empty())
     json["touched"] = {{"thing", touch_.thing}, {"by", touch_.by}, {"at_s", touch_.at_s}};
   if (way_) json["moving"] = way_->json();

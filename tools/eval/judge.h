@@ -6,7 +6,6 @@
 // its own bounds and formulas, and no code of a behavior.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,33 +13,12 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "tools/eval/judge_tracks.h"
 #include "tools/eval/map_truth.h"
 #include "tools/eval/way_watch.h"
 #include "tools/run/run_observer.h"
 
 namespace kaz::tools {
-
-// Height of a ball's lowest point above which the ball counts as lifted.
-constexpr double kClearOfFloor_m = 0.02;
-
-// Ground truth at one time, in the world frame; m.
-struct Truth {
-  Time time{};
-  Eigen::Isometry3d trunk = Eigen::Isometry3d::Identity();
-  std::optional<Eigen::Vector3d> ball = {};
-  std::optional<Eigen::Isometry3d> left_eye = {};  // optical frame: x right, y down, z forward
-  // Frames at the ankles, x ahead.
-  std::optional<Eigen::Isometry3d> left_foot = {}, right_foot = {};
-  struct Touch {
-    // `thing`: model of the touched object; "" without contact. `by`: link of the robot that touches the
-    // object.
-    std::string thing, by;
-    double at_s = 0;
-  };
-  Touch touch = {};                            // contact with an object that stands on the floor
-  std::optional<Eigen::Vector2d> moving = {};  // position of the object given to watch_way()
-  std::optional<std::int64_t> unconverged_steps = {};
-};
 
 // Goal of an episode: the criterion of its behavior, and the options that the criterion needs.
 struct Task {
@@ -68,7 +46,7 @@ struct JudgeOptions {
 
 class Judge final : public RunObserver {
  public:
-  explicit Judge(const JudgeOptions& options) : options_(options) {}
+  explicit Judge(const JudgeOptions& options) : options_(options), ball_(options.ball_radius_m) {}
   // Watches the obstacle `thing`, which slides into the robot's way. `name`: model name of the obstacle.
   // `world_from_start`: pose in the world of the frame in which `thing` is given.
   void watch_way(const Obstacle& thing, const std::string& name,
@@ -86,12 +64,12 @@ class Judge final : public RunObserver {
 
   // Returns whether the trunk was more than 60 degrees from upright at any time. For a robot that lay at the
   // start, only the last look counts.
-  bool fell() const;
+  bool fell() const { return options_.lies ? body_.lies() : body_.has_lain(); }
   // Motion of the robot from the first look to the last. forward_m() and aside_m(): distances along and
   // across the first heading, m. heading_rad(): turned angle.
-  double forward_m() const;
-  double aside_m() const;
-  double heading_rad() const { return heading_; }
+  double forward_m() const { return body_.forward_m(); }
+  double aside_m() const { return body_.aside_m(); }
+  double heading_rad() const { return body_.heading_rad(); }
   // Returns the name of the first object on the floor that the robot touched before a fall; "" if there was
   // no touch.
   const std::string& touched() const { return touch_.thing; }
@@ -108,11 +86,11 @@ class Judge final : public RunObserver {
   // Time in s, up to the last look, during which a condition was true without interruption. held_s(): the
   // ball was clear of the floor. upright_s(): the trunk was within 30 degrees of upright, and the trunk's
   // origin above 0.11 m.
-  double held_s() const { return lasting_s(held_since_); }
-  double upright_s() const { return lasting_s(upright_since_); }
+  double held_s() const { return lasting_s(ball_.held_since()); }
+  double upright_s() const { return lasting_s(body_.upright_since()); }
   // Returns the share (0 to 1) of the last `seconds` during which the left eye's axis was within 3 degrees of
   // the ball.
-  double tracked(double seconds) const;
+  double tracked(double seconds) const { return ball_.tracked(last_.time, seconds); }
   // Returns the unit vector from the left eye to the ball at the last look, in the trunk's axes.
   std::optional<Eigen::Vector3d> ball_direction() const;
   // Returns the position of the ball relative to the midpoint of the ankles at the last look; x ahead, y
@@ -122,29 +100,21 @@ class Judge final : public RunObserver {
 
  private:
   void look_at_outlines(sim::Simulation& simulation);
-  struct Gaze {
-    Time time{};
-    bool near = false;  // the axis of the eye is within 3 degrees of the ball
-  };
   double lasting_s(const std::optional<Time>& since) const {
     return since ? seconds(last_.time - *since) : 0;
   }
 
   JudgeOptions options_;
-  bool ended_ = false, fell_ = false;
+  bool ended_ = false;
+  Truth last_;
+  BodyTrack body_;
+  BallTrack ball_;
   Truth::Touch touch_;
   bool was_hit_ = false;
   std::optional<WayWatch> way_;
   std::optional<MapTruth> map_;
   std::optional<OwnBody> own_;  // set at the first look
   Eigen::Isometry2d start_from_world_ = Eigen::Isometry2d::Identity();
-  std::optional<Eigen::Isometry3d> start_;
-  Truth last_;
-  double heading_ = 0, last_yaw_ = 0;  // rad; heading_ counts full turns
-  std::optional<Time> held_since_, upright_since_, first_step_;
-  double left_foot_m_ = 0, right_foot_m_ = 0;  // heights of the ankles at the first look
-  // Each entry is valid until the time of the next entry.
-  std::vector<Gaze> gazes_;
 };
 
 // Result of an episode, and the claim of the behavior.
