@@ -1,4 +1,4 @@
-// State that all connections of a server share. Only server.cpp and viewer.cpp may include this file.
+// State that all connections of a server share. Only server, viewer and outbox may include this file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

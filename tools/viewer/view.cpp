@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/viewer/view.h"
 
-#include <sys/resource.h>
-
 #include <filesystem>
-#include <future>
 #include <thread>
 #include <utility>
 
@@ -166,10 +163,7 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
       server_(std::move(server)),
       feed_(std::move(feed)),
       url_(std::move(url)),
-      pace_(options_.pace),
-      coder_([this] { code_pictures(); }) {
-  if (options_.hands && !options_.own_time)
-    pace_channel_ = server_->add_channel({0, "/run/pace", "json", "", "", ""}, true);
+      pace_(*server_, pace_channel(), options_.pace, options_.stopped) {
   server_->on_hand([this](const std::string& line) { return hear(line); });
   server_->on_message(
       [this](std::string_view topic, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
@@ -177,51 +171,27 @@ View::View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::
       });
 }
 
+std::optional<std::uint32_t> View::pace_channel() {
+  if (!options_.hands || options_.own_time) return std::nullopt;
+  return server_->add_channel({0, "/run/pace", "json", "", "", ""}, true);
+}
+
 View::~View() {
   server_->on_hand({});
-  {
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-  }
-  changed_.notify_all();
-  coder_.join();
+  coder_.finish();
   server_->drain(2);
   server_->on_message({});
 }
 
 void View::picture(const vision::StereoPair& pair) {
-  code([this, pair] { feed_.pictures(pair, !options_.recorded_pictures); });
+  coder_.add([this, pair] { feed_.pictures().pictures(pair, !options_.recorded_pictures); });
 }
 
 void View::picture(std::uint32_t channel, const vision::FrameInfo& info,
                    std::function<vision::Image()> draw) {
-  code([this, channel, info, draw = std::move(draw)] { feed_.picture(channel, info, draw()); });
-}
-
-void View::code(std::function<void()> picture) {
-  constexpr std::size_t kMost = 4;
-  const std::lock_guard lock(mutex_);
-  pictures_.push_back(std::move(picture));
-  if (pictures_.size() > kMost) pictures_.pop_front();
-  changed_.notify_all();
-}
-
-void View::code_pictures() {
-  setpriority(PRIO_PROCESS, 0, kViewNice);  // Linux: of this thread alone
-  std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return ended_ || !pictures_.empty(); });
-    if (pictures_.empty()) return;
-    const std::function<void()> picture = std::move(pictures_.front());
-    pictures_.pop_front();
-    lock.unlock();
-    try {
-      picture();
-    } catch (const std::future_error&) {
-      // The run ended before the pair was drawn.
-    }
-    lock.lock();
-  }
+  coder_.add([this, channel, info, draw = std::move(draw)] {
+    feed_.pictures().picture(channel, info, draw());
+  });
 }
 
 void View::channel(std::uint16_t number, const std::string& topic, const std::string& encoding,
@@ -242,7 +212,7 @@ void View::message(std::uint16_t channel, std::uint64_t time_ns,
 }
 
 void View::stepped(Time time) {
-  keep_pace(time);
+  if (!options_.own_time) pace_.keep(time);
 }
 
 std::string hands_json(const sim::RobotModel& robot) {
@@ -269,31 +239,12 @@ std::string hands_json(const sim::RobotModel& robot) {
 Result<void> View::hear(const std::string& line) {
   constexpr std::size_t kMostLines = 1000, kLongestAct = 400;
   const std::lock_guard lock(mutex_);
-  const auto number_after = [&line](std::string_view verb) {
-    return line.starts_with(verb) ? parse_number<double>(std::string_view(line).substr(verb.size()))
-                                  : std::nullopt;
-  };
   const bool of_time =
       line == "pause" || line == "go" || line.starts_with("step ") || line.starts_with("pace ");
   if (of_time && options_.own_time)
     return fail(Fault::usage,
                 "`" + line + "` is not valid, because this simulator runs in real time");
-  if (line == "pause" || line == "go") {
-    pause_at_.reset();
-    paused_ = line == "pause";
-    step_s_.reset();
-    return {};
-  }
-  if (const auto seconds = number_after("step "); seconds && *seconds > 0 && *seconds <= 60) {
-    step_s_ = *seconds;
-    return {};
-  }
-  // 0: as fast as it goes; else as --pace takes it.
-  const auto times = number_after("pace ");
-  if (times && (*times == 0 || (*times >= 0.01 && *times <= 100))) {
-    pace_ = *times;
-    return {};
-  }
+  if (of_time && pace_.obey(line)) return {};
   const bool request =
       line == "stop" || line == "end" || line.starts_with("target ") || line.starts_with("play ");
   if (request && !options_.requests)
@@ -348,58 +299,6 @@ void View::wait() {
     quiet = now > 0 && now == before ? quiet + 1 : 0;
     before = now;
   }
-}
-
-// To all viewers, whichever of them changed it; called on the run's thread.
-void View::state_pace(Time time, bool paused, double pace) {
-  const std::pair now{paused, pace};
-  if (!pace_channel_ || stated_pace_ == now) return;
-  stated_pace_ = now;
-  const std::string text = nlohmann::ordered_json{{"paused", paused}, {"pace", pace}}.dump();
-  server_->publish(*pace_channel_, static_cast<std::uint64_t>(time.count()),
-                   {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
-                   {.kept = true});
-}
-
-// Stops where a viewer wants it, and else goes no faster than the pace.
-void View::keep_pace(Time time) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kNap{20};
-  if (options_.own_time) return;
-  double pace = 0;
-  bool paused = true;
-  while (paused) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (step_s_) {
-        pause_at_ = time + from_seconds(*std::exchange(step_s_, std::nullopt));
-        paused_ = false;
-      }
-      if (pause_at_ && time >= *pause_at_) {
-        paused_ = true;
-        pause_at_.reset();
-      }
-      if (std::exchange(kept_pace_, pace_) != pace_) pace_start_.reset();
-      pace = pace_;
-      paused = paused_;
-      if (paused) pace_start_.reset();
-    }
-    state_pace(time, paused, pace);
-    if (!paused) break;
-    if (options_.stopped()) return;
-    std::this_thread::sleep_for(kNap);
-  }
-  if (pace <= 0) return;
-  const auto now = Clock::now();
-  if (!pace_start_) pace_start_.emplace(now, time);
-  const auto due =
-      pace_start_->first +
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(
-          static_cast<double>((time - pace_start_->second).count()) / pace));
-  // What was late is not made up for.
-  if (now > due + std::chrono::milliseconds(100)) pace_start_.emplace(now, time);
-  while (Clock::now() < due && !options_.stopped())
-    std::this_thread::sleep_for(std::min<Clock::duration>(due - Clock::now(), kNap));
 }
 
 }  // namespace kaz::viewer

@@ -7,20 +7,20 @@
 // than the run (nice 10).
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "sim/body/description/robot_model.h"
 #include "sim/runtime/simulation/hand_player.h"
 #include "sim/runtime/simulation/recording_tap.h"
 #include "tools/viewer/feed.h"
+#include "tools/viewer/picture_coder.h"
+#include "tools/viewer/run_pace.h"
 #include "tools/viewer/server.h"
 
 namespace kaz::viewer {
@@ -80,17 +80,19 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   // Publishes a pair. Any thread may call this function. A separate thread encodes pictures. If the encoding
   // thread falls behind, the oldest pictures are dropped.
   void picture(const vision::StereoPair& pair);
-  bool wants_pictures() const { return feed_.wants_pictures(); }
-  // The next three functions publish derived pictures, like the functions of Feed with the same names. `draw`
-  // runs on the encoding thread.
-  std::uint32_t add_pictures(const std::string& topic) { return feed_.add_pictures(topic); }
+  bool wants_pictures() { return feed_.pictures().wants_pictures(); }
+  // The next three functions publish derived pictures, like the functions of PictureFeed with the same names.
+  // `draw` runs on the encoding thread.
+  std::uint32_t add_pictures(const std::string& topic) {
+    return feed_.pictures().add_pictures(topic);
+  }
   bool wants_picture(std::uint32_t channel, const vision::FrameInfo& info) {
-    return feed_.wants_picture(channel, info);
+    return feed_.pictures().wants_picture(channel, info);
   }
   void picture(std::uint32_t channel, const vision::FrameInfo& info,
                std::function<vision::Image()> draw);
   void ball(const vision::FrameInfo& info, const vision::BallObservation& ball) {
-    feed_.ball(info, ball);
+    feed_.pictures().ball(info, ball);
   }
   // If ViewOptions::wait is set, waits for the first subscription. The first message() also waits. Call
   // wait() before the run if the run itself cannot wait in message().
@@ -116,10 +118,8 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   // (0: no limit). The pace does not change the results of the run.
   Result<void> hear(const std::string& line);
   View(ViewOptions options, std::unique_ptr<Server> server, Feed feed, std::string url);
-  void keep_pace(Time time);
-  void state_pace(Time time, bool paused, double pace);
-  void code(std::function<void()> picture);
-  void code_pictures();
+  // Adds the channel on which viewers read the pace; nullopt if viewers cannot control the pace.
+  std::optional<std::uint32_t> pace_channel();
 
   ViewOptions options_;
   std::unique_ptr<Server> server_;
@@ -133,21 +133,12 @@ class View final : public sim::RecordingTap, public sim::HandSource {
   std::map<std::uint16_t, Tapped> tapped_;
   bool waited_ = false;
   int acts_ = 0;
-  std::optional<std::pair<std::chrono::steady_clock::time_point, Time>> pace_start_;
-  std::optional<std::uint32_t> pace_channel_;
-  std::optional<std::pair<bool, double>> stated_pace_;  // paused or not, and pace
+  RunPace pace_;
 
-  std::mutex mutex_;  // guards the members below
-  std::condition_variable changed_;
-  std::deque<std::function<void()>> pictures_;  // tasks for the encoding thread
-  std::deque<std::string> lines_;               // manual actions for the next step
-  std::deque<std::string> requests_;            // requests for the behavior
-  bool paused_ = false;
-  std::optional<double> step_s_;  // requested step that has not begun yet
-  std::optional<Time> pause_at_;  // time of the run at which the run pauses
-  double pace_ = 0, kept_pace_ = 0;
-  bool ended_ = false;
-  std::thread coder_;
+  std::mutex mutex_;                  // guards the next two members
+  std::deque<std::string> lines_;     // manual actions for the next step
+  std::deque<std::string> requests_;  // requests for the behavior
+  PictureCoder coder_;                // its tasks use the members above
 };
 
 }  // namespace kaz::viewer

@@ -17,7 +17,6 @@ constexpr int kMostWrong = 16;  // requests, before the connection is closed
 constexpr std::size_t kMostAnswers = 16;
 // In the kernel, for each viewer: that of a slow one holds old messages.
 constexpr int kSendBuffer = 256 << 10;
-constexpr std::chrono::milliseconds kStale{500};
 
 }  // namespace
 
@@ -27,7 +26,7 @@ Viewer::Viewer(Server::Impl& server, tcp::socket socket, std::shared_ptr<Counted
       socket_(std::move(socket)),
       counted_(std::move(counted)),
       control_(answer.control),
-      subprotocol_(answer.subprotocol) {}
+      outbox_(server, answer.subprotocol) {}
 
 void Viewer::begin(const beast::http::request<beast::http::empty_body>& request) {
   auto timeout = websocket::stream_base::timeout::suggested(beast::role_type::server);
@@ -36,7 +35,7 @@ void Viewer::begin(const beast::http::request<beast::http::empty_body>& request)
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
   socket_.set_option(websocket::stream_base::decorator([this](websocket::response_type& response) {
-    response.set(beast::http::field::sec_websocket_protocol, std::string(subprotocol_));
+    response.set(beast::http::field::sec_websocket_protocol, std::string(outbox_.subprotocol()));
   }));
   socket_.read_message_max(kLongestRequest);
   socket_.auto_fragment(false);
@@ -63,11 +62,8 @@ void Viewer::greet() {
   here_ = true;
   server_.viewers.insert(this);
   ++server_.viewer_count;
-  position_ = server_.log_begin + server_.log.size();
-  answer(server_info(options.name, server_.session, subprotocol_, std::move(capabilities),
-                     options.start_ns, options.end_ns));
-  if (const auto& state = server_.newest_for_everyone; state && reads(*state))
-    answers_.push_back({state->text, {}, state, state->data});
+  outbox_.begin(server_info(options.name, server_.session, outbox_.subprotocol(),
+                            std::move(capabilities), options.start_ns, options.end_ns));
   write();
   read();
 }
@@ -76,10 +72,7 @@ void Viewer::leave() {
   if (!std::exchange(here_, false)) return;
   server_.viewers.erase(this);
   --server_.viewer_count;
-  for (const auto& [channel, subscribed] : subscriptions_) --server_.wanted[channel];
-  server_.subscription_count -= subscriptions_.size();
-  subscriptions_.clear();
-  new_.clear();
+  outbox_.unsubscribe_all();
 }
 
 void Viewer::close() {
@@ -97,7 +90,7 @@ void Viewer::end() {
 
 // A viewer that does not take its answers is asked for no more requests.
 void Viewer::read() {
-  if (!here_ || reading_ || answers_.size() > kMostAnswers) return;
+  if (!here_ || reading_ || outbox_.answers() > kMostAnswers) return;
   reading_ = true;
   socket_.async_read(buffer_, [self = shared_from_this()](Error error, std::size_t) {
     self->reading_ = false;
@@ -141,40 +134,13 @@ void Viewer::obey() {
 // One answer at most, however many entries there are.
 void Viewer::subscribe(const std::vector<Subscription>& all) {
   server_.take();  // what was published before is older than the subscription
-  const char *wrong = nullptr, *twice = nullptr;
-  for (const Subscription& one : all) {
-    const bool taken = std::ranges::any_of(
-        subscriptions_, [&](const auto& other) { return other.second.id == one.id; });
-    if (one.channel >= server_.channels.size()) {
-      wrong = "no channel has this number";
-    } else if (taken) {
-      wrong = "a subscription with this number already exists";
-    } else if (subscriptions_.contains(one.channel)) {
-      twice = "this viewer already subscribes to this channel; the second subscription is ignored";
-    } else {
-      subscriptions_[one.channel] = {one.id, server_.taken};
-      ++server_.wanted[one.channel];
-      ++server_.subscription_count;
-      new_.insert(one.channel);
-    }
-  }
+  const auto [wrong, twice] = outbox_.subscribe(all);
   if (wrong != nullptr) reject(wrong);
   if (twice != nullptr) answer(status(StatusLevel::warning, twice));
 }
 
 void Viewer::unsubscribe(const std::vector<std::uint32_t>& ids) {
-  bool wrong = false;
-  for (const std::uint32_t id : ids) {
-    const auto at =
-        std::ranges::find_if(subscriptions_, [&](const auto& one) { return one.second.id == id; });
-    wrong = wrong || at == subscriptions_.end();
-    if (at == subscriptions_.end()) continue;
-    --server_.wanted[at->first];
-    --server_.subscription_count;
-    new_.erase(at->first);
-    subscriptions_.erase(at);
-  }
-  if (wrong) reject("no subscription has this number");
+  if (!outbox_.unsubscribe(ids)) reject("no subscription has this number");
 }
 
 void Viewer::fetch(const Request& request) {
@@ -184,10 +150,10 @@ void Viewer::fetch(const Request& request) {
                       ? files.find("/" + request.uri.substr(kPackage.size()))
                       : files.end();
   if (at == files.end()) {
-    answers_.push_back(
+    outbox_.add(
         {false, asset_head(request.asset_request, "this server has no such file"), nullptr, {}});
   } else {
-    answers_.push_back({false, asset_head(request.asset_request, ""), nullptr, at->second.bytes});
+    outbox_.add({false, asset_head(request.asset_request, ""), nullptr, at->second.bytes});
   }
 }
 
@@ -229,7 +195,7 @@ void Viewer::hand(const Request& request) {
 }
 
 void Viewer::answer(const std::string& text) {
-  answers_.push_back({true, Bytes(text.begin(), text.end()), nullptr, {}});
+  outbox_.add(text_frame(text));
 }
 
 void Viewer::reject(const std::string& sentence) {
@@ -238,95 +204,18 @@ void Viewer::reject(const std::string& sentence) {
 }
 
 void Viewer::write() {
-  if (!here_ || writing_) return;
-  auto frame = next();
-  if (!frame) return;
-  frame_ = std::move(*frame);
-  writing_ = true;
-  socket_.text(frame_.text);
+  if (!here_ || sending_) return;
+  sending_ = outbox_.next();
+  if (!sending_) return;
+  socket_.text(sending_->text);
   const std::array<asio::const_buffer, 2> buffers{
-      asio::buffer(frame_.head), asio::buffer(frame_.rest.data(), frame_.rest.size())};
+      asio::buffer(sending_->head), asio::buffer(sending_->rest.data(), sending_->rest.size())};
   socket_.async_write(buffers, [self = shared_from_this()](Error error, std::size_t) {
-    self->writing_ = false;
-    self->frame_ = {};
+    self->sending_.reset();
     if (error) return self->close();
     self->write();
     self->read();
   });
-}
-
-// The frame that the viewer is to get next; nothing if it has everything.
-std::optional<Viewer::Frame> Viewer::next() {
-  if (!answers_.empty()) {
-    Frame frame = std::move(answers_.front());
-    answers_.pop_front();
-    return frame;
-  }
-  if (const std::size_t all = server_.channels.size(); announced_ < all) {
-    std::vector<Channel> channels;
-    for (; announced_ < all; ++announced_) channels.push_back(server_.channels[announced_].channel);
-    const std::string text = advertisement(channels);
-    return Frame{true, Bytes(text.begin(), text.end()), nullptr, {}};
-  }
-  if (auto frame = next_kept()) return frame;
-  if (auto frame = next_logged()) return frame;
-  const std::uint64_t time_ns = server_.time_ns;
-  if (time_ns == sent_time_ns_) return std::nullopt;
-  sent_time_ns_ = time_ns;
-  return Frame{false, time_frame(time_ns), nullptr, {}};
-}
-
-// The newest kept message of a channel that it has just subscribed to. If that was published after the
-// subscription, it comes from the log.
-std::optional<Viewer::Frame> Viewer::next_kept() {
-  while (!new_.empty()) {
-    const std::uint32_t channel = *new_.begin();
-    new_.erase(new_.begin());
-    const Subscribed& subscribed = subscriptions_.at(channel);
-    const auto& kept = server_.newest[channel];
-    if (kept.message && kept.number < subscribed.from) return message_of(subscribed, kept.message);
-  }
-  return std::nullopt;
-}
-
-std::optional<Viewer::Frame> Viewer::next_logged() {
-  const std::uint64_t end = server_.log_begin + server_.log.size();
-  while (position_ < end) {
-    const auto& logged = server_.log[position_++ - server_.log_begin];
-    if (!wants(logged)) continue;
-    const Message& message = *logged.message;
-    if (message.channel == Message::kEveryone)
-      return Frame{message.text, {}, logged.message, message.data};
-    if (server_.channels[message.channel].derived &&
-        Server::Impl::Clock::now() - logged.at > kStale) {
-      ++server_.left_out;
-      continue;
-    }
-    return message_of(subscriptions_.at(message.channel), logged.message);
-  }
-  return std::nullopt;
-}
-
-Viewer::Frame Viewer::message_of(const Subscribed& subscribed, const SharedMessage& message) const {
-  return {false, message_head(subscribed.id, message->time_ns), message, message->data};
-}
-
-// Whether its protocol has this frame for everyone.
-bool Viewer::reads(const Message& message) const {
-  return message.text || understands(subprotocol_, message.data.front());
-}
-
-bool Viewer::wants(const Server::Impl::Logged& logged) const {
-  const Message& message = *logged.message;
-  if (message.channel == Message::kEveryone) return reads(message);
-  const auto at = subscriptions_.find(message.channel);
-  return at != subscriptions_.end() && logged.number >= at->second.from;
-}
-
-void Viewer::miss(std::uint64_t position, const Server::Impl::Logged& logged) {
-  if (position_ > position) return;
-  position_ = position + 1;
-  if (wants(logged)) ++server_.left_out;
 }
 
 }  // namespace kaz::viewer

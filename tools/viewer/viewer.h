@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
-#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "tools/viewer/outbox.h"
 #include "tools/viewer/server_impl.h"
 
 namespace kaz::viewer {
@@ -29,25 +29,15 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
   // Sends the next frame, unless a frame is being sent.
   void write();
-  bool writing() const { return writing_; }
+  bool writing() const { return sending_.has_value(); }
   // Called before the log drops its oldest message. If the viewer has not yet read this message, skips the
   // message.
-  void miss(std::uint64_t position, const Server::Impl::Logged& logged);
+  void miss(std::uint64_t position, const Server::Impl::Logged& logged) {
+    outbox_.miss(position, logged);
+  }
 
  private:
   using Error = boost::system::error_code;
-  struct Subscribed {
-    std::uint32_t id = 0;
-    std::uint64_t from = 0;  // number of the first log message to send
-  };
-  // A frame to send: `head`, followed by `rest`. `rest` points into memory of `owner` or of the server's
-  // options.
-  struct Frame {
-    bool text = false;
-    Bytes head;
-    SharedMessage owner;
-    std::span<const std::uint8_t> rest;
-  };
 
   void greet();
   void leave();
@@ -64,32 +54,19 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   void answer(const std::string& text);
   void reject(const std::string& sentence);
 
-  std::optional<Frame> next();
-  std::optional<Frame> next_kept();
-  std::optional<Frame> next_logged();
-  Frame message_of(const Subscribed& subscribed, const SharedMessage& message) const;
-  bool reads(const Message& message) const;
-  bool wants(const Server::Impl::Logged& logged) const;
-
   Server::Impl& server_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   std::shared_ptr<Counted> counted_;
   const bool control_;
-  const std::string_view subprotocol_;
+  Outbox outbox_;
   boost::asio::steady_timer greeting_{server_.io};
   boost::beast::flat_buffer buffer_;
   int wrong_requests_ = 0;
   // Numbers of the viewer's channels on kHandTopic, chosen by the viewer.
   std::set<std::uint32_t> own_channels_;
-  std::map<std::uint32_t, Subscribed> subscriptions_;  // key: number of the channel
 
-  bool here_ = false, reading_ = false, writing_ = false;
-  Frame frame_;                  // frame being sent
-  std::deque<Frame> answers_;    // answers to the viewer's requests
-  std::size_t announced_ = 0;    // number of advertised channels
-  std::set<std::uint32_t> new_;  // channels whose kept message has not been sent yet
-  std::uint64_t position_ = 0;   // next position to read in the log
-  std::uint64_t sent_time_ns_ = Server::Impl::kNoTime;
+  bool here_ = false, reading_ = false;
+  std::optional<Frame> sending_;
 };
 
 }  // namespace kaz::viewer
