@@ -43,6 +43,13 @@ std::out_of_range no_option(std::string_view name, const char* kind) {
                            kind);
 }
 
+// Start of the error for a wrong value.
+std::string not_a_value(const std::string& text, const std::string& option) {
+  std::string start = "`";
+  start.append(shown_text(text)).append("` is not a value of the option `");
+  return start.append(option).append("`: must be ");
+}
+
 }  // namespace
 
 std::string valid_values(const Option& option) {
@@ -69,10 +76,10 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     if (!option.choices.empty()) {
       const bool text_option = option.is_valid != nullptr;
       if (text_option ? !option.is_valid(text) : !is_choice(option.choices, text)) {
-        return fail(Fault::usage, "`" + shown_text(text) + "` is not a value of the option `" +
-                                      name + "`: must be " + (text_option ? "" : "one of ") +
-                                      std::string(option.choices) +
-                                      (text_option ? " (" + std::string(option.text) + ")" : ""));
+        std::string wrong = not_a_value(text, name) + (text_option ? "" : "one of ");
+        wrong.append(option.choices);
+        if (text_option) wrong.append(" (").append(option.text).append(")");
+        return fail(Fault::usage, wrong);
       }
       values.choices_[name] = text;
       continue;
@@ -80,10 +87,9 @@ Result<OptionValues> OptionValues::parse(std::span<const Option> options,
     const auto number = parse_number<double>(text);
     if (!number || *number < option.min || *number > option.max ||
         (option.whole && *number != std::floor(*number))) {
-      return fail(Fault::usage, "`" + shown_text(text) + "` is not a value of the option `" + name +
-                                    "`: must be a " + (option.whole ? "whole number" : "number") +
-                                    " from " + valid_values(option) + " (" +
-                                    std::string(option.text) + ")");
+      return fail(Fault::usage, not_a_value(text, name) + "a " +
+                                    (option.whole ? "whole number" : "number") + " from " +
+                                    valid_values(option) + " (" + std::string(option.text) + ")");
     }
     values.numbers_[name] = *number;
   }

@@ -40,16 +40,16 @@ Result<void> check_running(FlashSession& session, Answer& answer,
     answer.runs(*board);
     return {};
   }
-  return fail(
+  return host::fail(
       Fault::failed,
-      host::text_of({"the firmware was written and verified, but does not run",
-                     "an answer to `identify` with image CRC " + host::hex_word(identity.crc),
-                     board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
-                     {"the mode switch is still at boot mode",
-                      "the reset line is not connected as --reset describes"},
-                     "set the mode switch to its run position (MD1 high), press reset, then give "
-                     "`kaz status " +
-                         host::robot_option(session.port()) + "`"}));
+      host::Diagnostic{"the firmware was written and verified, but does not run",
+                       "an answer to `identify` with image CRC " + host::hex_word(identity.crc),
+                       board ? "image CRC " + host::hex_word(board->image_crc) : "nothing",
+                       {"the mode switch is still at boot mode",
+                        "the reset line is not connected as --reset describes"},
+                       "set the mode switch to its run position (MD1 high), press reset, then give "
+                       "`kaz status " +
+                           host::robot_option(session.port()) + "`"});
 }
 
 Result<void> write_image(FlashSession& session, const FlashArguments& arguments, Answer& answer,
@@ -156,14 +156,15 @@ Result<void> run(FlashSession& session, Answer& answer) {
                 "the board was started, but it is undecided whether the firmware runs: " + excuse +
                     ": end other programs, then `kaz status " + host::robot_option(session.port()) +
                     "`");
-  return fail(Fault::failed,
-              host::text_of(
-                  {"the board was started, but no Kaz firmware answers",
-                   "an answer to `identify`",
-                   "no valid reply",
-                   {"the application is missing or incomplete: the loader waits for an application",
-                    "the flash contains another program"},
-                   "kaz flash info " + host::robot_option(session.port())}));
+  return host::fail(
+      Fault::failed,
+      host::Diagnostic{
+          "the board was started, but no Kaz firmware answers",
+          "an answer to `identify`",
+          "no valid reply",
+          {"the application is missing or incomplete: the loader waits for an application",
+           "the flash contains another program"},
+          "kaz flash info " + host::robot_option(session.port())});
 }
 
 Result<void> look(FlashSession& session, const FlashArguments& arguments, Answer& answer,

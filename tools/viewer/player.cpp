@@ -14,7 +14,7 @@ namespace kaz::viewer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Message = sim::McapRecording::Message;
+using RecordedMessage = sim::McapRecording::Message;
 
 constexpr std::chrono::milliseconds kCycle{10};
 constexpr std::uint64_t kLead_ns = 200'000'000;  // before where a jump goes to, played at once
@@ -48,10 +48,10 @@ class Player {
       channels_[number] = {
           known != schemas.channels.end() ? std::optional(known->second) : std::nullopt, topic};
     }
-    for (const Message& message : recording.messages) messages_.push_back(&message);
+    for (const RecordedMessage& message : recording.messages) messages_.push_back(&message);
     // Pictures of a pair stand behind messages that are later than they are.
     std::ranges::stable_sort(messages_, {},
-                             [](const Message* message) { return message->time_ns; });
+                             [](const RecordedMessage* message) { return message->time_ns; });
     state_.speed = speed;
     state_.status = PlaybackState::Status::playing;
     end_ns_ = recording.end_ns();
@@ -121,10 +121,10 @@ class Player {
     const std::uint64_t from = to_ns > kLead_ns ? to_ns - kLead_ns : 0;
     next_ = static_cast<std::size_t>(
         std::ranges::lower_bound(messages_, from, {},
-                                 [](const Message* message) { return message->time_ns; }) -
+                                 [](const RecordedMessage* message) { return message->time_ns; }) -
         messages_.begin());
     // What is sent once holds until the next: the newest before.
-    std::map<std::uint16_t, const Message*> newest;
+    std::map<std::uint16_t, const RecordedMessage*> newest;
     for (std::size_t i = 0; i < next_; ++i) {
       if (lasts(channels_[messages_[i]->channel].topic, messages_[i]->data))
         newest[messages_[i]->channel] = messages_[i];
@@ -139,7 +139,7 @@ class Player {
     state_.time_ns = to_ns;
   }
 
-  void send(const Message& message) {
+  void send(const RecordedMessage& message) {
     const Played& played = channels_[message.channel];
     if (played.channel)
       server_.publish(*played.channel, message.time_ns, message.data,
@@ -149,7 +149,7 @@ class Player {
 
   Server& server_;
   Feed& feed_;
-  std::vector<const Message*> messages_;
+  std::vector<const RecordedMessage*> messages_;
   std::map<std::uint16_t, Played> channels_;
   std::size_t next_ = 0;
   std::uint64_t end_ns_ = 0;
