@@ -1,4 +1,4 @@
-# Plug-ins with behaviors (docs/howto/own-behavior.md) and modules need the id of the headers that they are compiled with,
+# Plug-ins with behaviors (docs/howto/own-behavior.md) need the id of the headers that they are compiled with,
 # and the package kazPlugin, which finds these headers in the build tree. KazInstall installs both.
 set(KAZ_INTERFACE_HEADER ${PROJECT_BINARY_DIR}/generated/kaz_interface.h)
 file(GLOB_RECURSE interface_headers CONFIGURE_DEPENDS
@@ -6,10 +6,6 @@ file(GLOB_RECURSE interface_headers CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/shared/*.h ${PROJECT_SOURCE_DIR}/shared/*.hpp ${PROJECT_SOURCE_DIR}/shared/*.def)
 list(FILTER interface_headers EXCLUDE REGEX "_testing\\.h")
 list(APPEND interface_headers ${PROJECT_SOURCE_DIR}/shared/robot/kaz/kaz.urdf)  # kz_limits.h is made from it
-# The module with the reader of worlds returns a WorldModel.
-list(APPEND interface_headers ${PROJECT_SOURCE_DIR}/sim/body/description/rigid_link.h
-  ${PROJECT_SOURCE_DIR}/sim/body/description/scene.h ${PROJECT_SOURCE_DIR}/sim/body/description/world_model.h
-  ${PROJECT_SOURCE_DIR}/tools/cli/world_module.h)
 set(interface_script ${PROJECT_SOURCE_DIR}/tools/repo/gen/source_id.py)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_custom_command(
