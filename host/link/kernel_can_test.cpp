@@ -29,7 +29,8 @@ using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* kNoInterface =
-    "KAZ_TEST_CAN names no CAN interface, as KAZ_TEST_CAN=vcan0 does; ./tools/dev study guest has some";
+    "KAZ_TEST_CAN names no CAN interface, as KAZ_TEST_CAN=vcan0 does; ./tools/dev study guest has "
+    "some";
 
 void set_up(const std::string& interface, bool up) {
   const Descriptor any(socket(AF_INET, SOCK_DGRAM, 0));
@@ -124,7 +125,8 @@ TEST_F(KernelCan, ASecondProgramIsRefused) {
   ASSERT_TRUE(second);
   const auto written = (*second)->write(frame_of(1, 5));
   ASSERT_FALSE(written);
-  EXPECT_NE(written.error().message.find("is in use by another program"), std::string::npos);
+  EXPECT_NE(written.error().message.find("is in use: another program sends frames with the id"),
+            std::string::npos);
 }
 
 TEST_F(KernelCan, InjectedErrorFramesAreCountedAndBusOffIsALostLink) {

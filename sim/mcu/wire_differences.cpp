@@ -32,8 +32,8 @@ constexpr WireException kExceptions[] = {
      "the image determines the start-up time", KZ_TYPE_self_test_reply, "start_8states"},
     {"a byte that ends 300 to 1,000 states after a tick's due time",
      "received in this tick or the next one", "received in this tick if it ends within 650 states",
-     "a tick reads the receive ring 450 to 850 states after the tick's due time; the comparison "
-     "sends no byte near the time of this read"},
+     "450 to 850 states after its due time, a tick reads the receive ring; near this time, `kaz mcu "
+     "compare` sends no byte"},
     {"a byte that ends between 47,600 and 18,000 states before the first tick",
      "delays the start by 65 states, or is lost",
      "received if it ends in the last 46,940 states before the tick; no delay",
@@ -55,7 +55,7 @@ constexpr WireException kExceptions[] = {
      "after a tick's due time",
      "each input is sampled at most 200 states earlier or later than on `h8`; the order of the "
      "inputs is the order on `h8`",
-     "the comparison changes voltages only 15,000 or more states after a tick's due time"},
+     "the comparison changes voltages at least 15,000 states after a tick's due time"},
     {"3 s of the loader", "the flash writer receives its own frames", "no receiver",
      "no flash to write"},
     {"a byte that a reset or a power cut interrupts", "the pin shows the byte's first bits",
