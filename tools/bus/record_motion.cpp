@@ -204,7 +204,7 @@ class Recording {
     std::printf(
         "%s, %.1f s, in %s%s\n", counted(sequence.poses.size(), "pose").c_str(), length,
         options_.out.c_str(),
-        stretched > 1 ? "; the motion was slowed down to the speed limit of the servos" : "");
+        stretched > 1 ? "; the motion was slowed down to at most 4 rad/s" : "");
     print_lines("play the poses: kaz run play --poses %s --robot %s --robot-file %s\n",
                 options_.out.c_str(), options_.backend.robot.c_str(),
                 options_.backend.robot_file.c_str());
