@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kUpright = 30 * kDegree;  // of the trunk; in the crouch it leans less
 constexpr double kLies = 60 * kDegree;
-// Of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting or lying.
+// Height of the trunk's origin, m: 0.16 standing straight, 0.14 in the crouch, 0.07 at most sitting or lying.
 constexpr double kHigh_m = 0.11;
 constexpr double kTracked = 3 * kDegree;
 

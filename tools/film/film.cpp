@@ -132,7 +132,7 @@ class EyePicture {
              std::optional<double> view_rad)
       : name_(std::move(name)), pairs_(std::move(pairs)), view_rad_(view_rad) {}
 
-  // What the corner shows.
+  // Content of the corner picture.
   const char* kind() const { return !pairs_.empty() ? "recorded" : view_rad_ ? "drawn" : "none"; }
   // Call it in order of time: a recorded picture is the newest until then.
   Result<const figure::Image*> at(Time now, const sim::ScenePose& pose,

@@ -82,7 +82,7 @@ void RunPace::keep(Time time) {
       start_->first +
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(
           static_cast<double>((time - start_->second).count()) / pace));
-  // What was late is not made up for.
+  // Lost time is not made up for.
   if (now > due + std::chrono::milliseconds(100)) start_.emplace(now, time);
   while (Clock::now() < due && !stopped_())
     std::this_thread::sleep_for(std::min<Clock::duration>(due - Clock::now(), kNap));

@@ -179,7 +179,7 @@ TEST(BallFinder, PrefersTheRoundRegionToALargerSquare) {
   EXPECT_NEAR(ball.center_u, 60, 0.2);
 }
 
-TEST(BallFinder, OtherColoursAreNoBall) {
+TEST(BallFinder, OtherColorsAreNoBall) {
   const CameraModel camera = test_camera();
   for (const TestColor& color : {TestColor{240, 140, 20},
                                  {40, 170, 60},
