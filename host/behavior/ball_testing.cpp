@@ -9,8 +9,6 @@
 
 namespace kaz::behavior {
 
-namespace {
-
 vision::CameraModel camera_model() {
   vision::CameraModel model;
   model.width = 320;
@@ -21,6 +19,8 @@ vision::CameraModel camera_model() {
   model.baseline_m = 0.04;
   return model;
 }
+
+namespace {
 
 Time exposure_of(std::uint64_t number) {
   return Time(static_cast<std::int64_t>(number) * 1'000'000'000 / 30);

@@ -10,6 +10,9 @@
 
 namespace kaz::behavior {
 
+// Returns a camera with 320 x 240 px, a field of view of 80 degrees and a baseline of 4 cm.
+vision::CameraModel camera_model();
+
 // Simulates observations at 30 Hz. The simulated images have 320 x 240 px and a field of view of 80 degrees.
 // Each observation is computed from the true head pose at the exposure. An observation is available `latency`
 // after its exposure. Each observation contains the posture from the robot's history. `board` and `robot`

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "host/behavior/ball_testing.h"
 #include "host/behavior/ball_tracker.h"
 #include "host/camera/capture.h"
 #include "host/robot/kinematics.h"
@@ -24,15 +25,8 @@ constexpr double kRadius = 0.020;
 // Draws a red ball on grey from where the head truly is, at 30 Hz, 15 ms late.
 class DrawingCamera final : public vision::Camera {
  public:
-  DrawingCamera(const host::TestBoard& board, const Vector3d& ball) : board_(board), ball_(ball) {
-    model_.width = 320;
-    model_.height = 240;
-    model_.fx = model_.fy = 160 / std::tan(40 * kDegree);
-    model_.cx = 159.5;
-    model_.cy = 119.5;
-    model_.baseline_m = 0.04;
-    next_ = board.now();
-  }
+  DrawingCamera(const host::TestBoard& board, const Vector3d& ball)
+      : board_(board), ball_(ball), next_(board.now()) {}
   const vision::CameraModel& model() const override { return model_; }
   Result<std::optional<vision::StereoPair>> poll() override {
     if (gone) return fail(Fault::environment, "camera gone");
@@ -72,7 +66,7 @@ class DrawingCamera final : public vision::Camera {
 
   const host::TestBoard& board_;
   Vector3d ball_;
-  vision::CameraModel model_;
+  const vision::CameraModel model_ = camera_model();
   Time next_;
 };
 

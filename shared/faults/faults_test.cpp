@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/faults/faults.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "shared/faults/link_faults.h"
@@ -91,11 +93,13 @@ TEST(Faults, AScheduleNamesTheLineThatIsWrong) {
 }
 
 TEST(Faults, EveryKindComesBackFromItsText) {
+  Schedule schedule;
   for (const Kind& kind : kinds()) {
     Fault fault{kind.id, milliseconds(5), milliseconds(7), -1, Way::both, kind.initial};
     if (kind.target == Target::joint) fault.joint = 17;
     if (kind.target == Target::line) fault.way = Way::to_host;
     EXPECT_EQ(fault_of(text_of(fault)), fault) << text_of(fault);
+    schedule.add(fault);
     EXPECT_LE(kind.low, kind.initial);
     EXPECT_GE(kind.high, kind.initial);
     for (const int joint : {-2, -1, 0, 17, 18, 1 << 30}) {
@@ -104,6 +108,9 @@ TEST(Faults, EveryKindComesBackFromItsText) {
       EXPECT_EQ(fault.is_possible(), kind.target == Target::joint ? is_joint : joint == -1);
     }
   }
+  const auto again = Schedule::parse(schedule.text(), "text");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(std::ranges::equal(schedule.faults(), again->faults()));
 }
 
 TEST(Faults, WhatOnlyTheSimulatorDoesIsNamed) {
