@@ -96,12 +96,12 @@ void OptionAdder::operator()(const sim::OptionText& text, bool& value) {
 void OptionAdder::operator()(const sim::OptionText& text, std::uint64_t& value) {
   verb_.add_option(text.option, value, text.help)
       ->transform(whole_number())
-      ->type_name(text.placeholder)
+      ->type_name(text.metavar)
       ->capture_default_str();
 }
 
 void OptionAdder::operator()(const sim::OptionText& text, std::string& value) {
-  auto* option = verb_.add_option(text.option, value, text.help)->type_name(text.placeholder);
+  auto* option = verb_.add_option(text.option, value, text.help)->type_name(text.metavar);
   if (!value.empty()) option->capture_default_str();
 }
 
@@ -109,7 +109,7 @@ void OptionAdder::operator()(const sim::OptionText& text, double& value,
                              const sim::OptionRange& range) {
   verb_.add_option(text.option, value, text.help)
       ->check(range.limited() ? between(range.min, range.max, range.unit) : number())
-      ->type_name(text.placeholder)
+      ->type_name(text.metavar)
       ->capture_default_str();
 }
 

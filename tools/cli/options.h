@@ -113,7 +113,7 @@ class OptionAdder {
     for (const int one : sizes) valid.push_back(std::to_string(one));
     verb_.add_option(text.option, value, text.help)
         ->check(CLI::IsMember(valid).description(""))
-        ->type_name(text.placeholder);
+        ->type_name(text.metavar);
   }
 
  private:

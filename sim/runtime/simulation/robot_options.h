@@ -26,7 +26,7 @@ struct OptionText {
   const char* name;              // key in JSON, and keyword argument in Python
   const char* option = nullptr;  // option on the command line; null: only recordings have the value
   const char* help = "";         // help text of the command line
-  const char* placeholder = "";  // type of the value in the help text
+  const char* metavar = "";      // name of the value in the help text, such as "SECONDS"
   const char* opposite = nullptr;  // for a flag: help text of --no-NAME; null: no such option
   bool optional = false;           // true: JSON omits the default
 };

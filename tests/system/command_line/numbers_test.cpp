@@ -13,7 +13,7 @@ namespace {
 
 struct TypedOption {
   std::string name;   // "--supply"
-  std::string value;  // placeholder of the value in the help, such as "V" or "FROM TO"
+  std::string value;  // name of the value in the help (metavar), such as "V" or "FROM TO"
   std::string line;   // of the help
 };
 
