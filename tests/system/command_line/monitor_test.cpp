@@ -153,7 +153,7 @@ TEST(Monitor, ShowsAndMovesTheServosOfABus) {
 }
 
 // The second signal ends it while it waits for servos, which have no watchdog.
-TEST(Monitor, EndedAtOnceItSaysThatMotorsMayHold) {
+TEST(Monitor, EndedAtOnceItSaysThatMotorsMayBeOn) {
   VirtualArm arm;
   Screen screen(arm.monitor());
   screen.wait("motors off[^]*0 shoulder_pan");
@@ -165,7 +165,7 @@ TEST(Monitor, EndedAtOnceItSaysThatMotorsMayHold) {
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
   }
   arm.signal(SIGCONT);
-  screen.wait("ended at once; the motors on[^]*may[^]*hold[^]*power[^]*left with 130");
+  screen.wait("ended at once; the motors on[^]*may[^]*be[^]*on[^]*power[^]*left with 130");
 }
 
 // Nothing wraps; the joint that the keys are about is always among those shown.
