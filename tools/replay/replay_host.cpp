@@ -50,6 +50,38 @@ class FirstPairs final : public vision::Camera {
   const RunObserver& observer_;
 };
 
+// Passes all calls on. Also notes whether the behavior ended with an error of its own: one that it returned
+// or threw before the board stopped.
+class HostObserver final : public RunObserver {
+ public:
+  HostObserver(RunObserver& next, const ReplayedBoard& board) : next_(next), board_(board) {}
+  bool failed_by_itself() const { return failed_by_itself_; }
+
+  void phase(Time time, std::string_view behavior, std::string_view phase) override {
+    next_.phase(time, behavior, phase);
+  }
+  void cycle(const behavior::CycleRow& row) override { next_.cycle(row); }
+  void picture(const behavior::PictureRow& row) override { next_.picture(row); }
+  void map(const behavior::MapReport& report) override { next_.map(report); }
+  void begin_vision(vision::Pipeline& pipeline) override { next_.begin_vision(pipeline); }
+  void end_vision(const vision::Pipeline& pipeline) override { next_.end_vision(pipeline); }
+  bool has_all_pictures() const override { return next_.has_all_pictures(); }
+  void pair(const vision::StereoPair& pair) override { next_.pair(pair); }
+  void look(sim::Simulation& simulation) override { next_.look(simulation); }
+  void threw() override { next_.threw(); }
+  void ended(const Result<behavior::Outcome>& outcome, double run_s, double rtf) override {
+    failed_by_itself_ = !outcome && !board_.error();
+    next_.ended(outcome, run_s, rtf);
+  }
+  void lost(const Error& error) override { next_.lost(error); }
+  bool is_worth_keeping() override { return next_.is_worth_keeping(); }
+
+ private:
+  RunObserver& next_;
+  const ReplayedBoard& board_;
+  bool failed_by_itself_ = false;
+};
+
 // The recording in the robot's place.
 class ReplayBackend final : public SessionBackend {
  public:
@@ -167,13 +199,14 @@ Result<bool> replay_host(const ReplayOptions& options, const sim::McapRecording&
        &options](host::Interrupt& interrupt) -> Result<std::unique_ptr<SessionBackend>> {
     return std::make_unique<ReplayBackend>(board, run, options, interrupt);
   };
-  const auto ran = tools::run(std::move(run_options), observer_of(options));
+  HostObserver observer(observer_of(options), board);
+  const auto ran = tools::run(std::move(run_options), observer);
   // A host that does something else cannot go on, which is the result. Other errors are its own.
   const auto& stopped = board.error();
   if (stopped && stopped->fault == Fault::usage)
     return fail(Fault::usage, options.file + ": " + stopped->message + "; record the run again");
   if (!ran) print_interrupted(ran.error(), options, "host");
-  if (!ran && (!stopped || ran.error().fault == Fault::interrupted))
+  if (!ran && (!stopped || observer.failed_by_itself() || ran.error().fault == Fault::interrupted))
     return tl::unexpected(ran.error());
   board.finish();
   if (!options.quiet) print(options, run, board);
