@@ -223,7 +223,8 @@ class Check {
     for (auto* j = file_.root().FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
       const char* name = j->Attribute("name");
       if (name != nullptr && target == name) {
-        return file_.error(e, "<mimic> is not supported: each joint has its own motor; remove it");
+        return file_.error(
+            e, "<mimic> is not supported: each joint has its own motor; remove <mimic>");
       }
     }
     return file_.error(e, "<mimic> refers to joint `" + target + "`, which does not exist");
