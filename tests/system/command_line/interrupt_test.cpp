@@ -32,7 +32,7 @@ using Steady = std::chrono::steady_clock;
 
 // The names in verbs.def.
 constexpr const char* kVerbs[] = {
-#define KAZ_VERB(name) #name,
+#define KAZ_VERB(name, folder) #name,
 #include "tools/cli/verbs.def"
 #undef KAZ_VERB
 };
