@@ -17,10 +17,12 @@ except ImportError:
 
 import kaz
 
+HANG_S = 1200  # of a busy machine
+
 
 def figures(*arguments):
     return subprocess.run([sys.executable, "-B", "-m", "kaz.figures", *map(str, arguments)],
-                          capture_output=True, text=True, timeout=300)
+                          capture_output=True, text=True, timeout=HANG_S)
 
 
 def red(r, g, b):

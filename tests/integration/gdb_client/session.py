@@ -17,6 +17,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tools/repo/gdb"))
 import coff_to_elf  # noqa: E402
 
+HANG_S = 1200  # of a busy machine
 TRACE = sum((i * 100 - k * 37) * (i * 55 - k * 91) for i in range(16) for k in range(16))
 
 # Commands and what their output must match; (?P<name>) is remembered, {name} stands for it later.
@@ -92,8 +93,8 @@ def main():
                           stderr=subprocess.PIPE, text=True) as server:
         try:
             done = subprocess.run([args.gdb, "-nx", "-q", "-batch", "-x", out / "script.gdb"],
-                                  capture_output=True, text=True, timeout=120, check=False)
-            server.wait(timeout=20)
+                                  capture_output=True, text=True, timeout=HANG_S, check=False)
+            server.wait(timeout=HANG_S)
         except subprocess.TimeoutExpired as late:
             print(f"time limit: {late}")
             server.kill()

@@ -80,7 +80,7 @@ def run(slurm, folder):
             print("k2 lost its power while it had a task", flush=True)
         time.sleep(0.05)
     check(killed == KILLS or not LONG, f"k2 was killed {killed} times only")
-    out, said = waiting.communicate(timeout=20000 if LONG else 400)
+    out, said = waiting.communicate(timeout=20000 if LONG else HANG_S)
     check(waiting.returncode == 0, f"on Slurm: {waiting.returncode}: {out} {said}")
     print(f"alone {alone_s:.1f} s, on two nodes {time.monotonic() - begun_at:.1f} s", flush=True)
     same_result(folder / "alone", array)
