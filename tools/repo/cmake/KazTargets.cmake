@@ -195,7 +195,7 @@ function(kaz_sanitized_test name)
   endif()
   foreach(part RANGE 1 4)
     math(EXPR index "${part} - 1")
-    add_test(NAME sanitized.${name}.${part} COMMAND nice -n 10 $<TARGET_FILE:${name}_sanitized_test>
+    add_test(NAME sanitized.${name}.${part} COMMAND ${KAZ_LAST} $<TARGET_FILE:${name}_sanitized_test>
              WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(sanitized.${name}.${part} PROPERTIES LABELS sanitized
                          ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${index}")
@@ -251,6 +251,12 @@ endfunction()
 set(KAZ_FIRST ${PROJECT_SOURCE_DIR}/tests/real_time/first.sh -19)
 execute_process(COMMAND nice -n -19 true ERROR_VARIABLE KAZ_CANNOT_COME_FIRST)
 cmake_host_system_information(RESULT KAZ_CORES QUERY NUMBER_OF_LOGICAL_CORES)
+# Put before a test that only computes. Where tests in real time come first, it has the usual priority: with a lower one
+# it would wait for hours beside a busy program.
+set(KAZ_LAST "")
+if(KAZ_CANNOT_COME_FIRST)
+  set(KAZ_LAST nice -n 10)
+endif()
 
 # kaz_test(NAME SOURCES ... LIBS ... [REALTIME [COMPUTES]] [FAST] [NO_PCH] [SANITIZED] [UNREGISTERED])
 # One GoogleTest program NAME_test; each of its cases is a test of CTest's, with NAME as its label. None has a time
@@ -304,8 +310,8 @@ function(kaz_test name)
     endif()
     list(APPEND properties RESOURCE_LOCK real_time_${lane} COST 1000 SKIP_RETURN_CODE 75
          ENVIRONMENT KAZ_TEST_MAY_SKIP=1)
-  elseif(KAZ_CANNOT_COME_FIRST)
-    set(before nice -n 10)
+  else()
+    set(before ${KAZ_LAST})
   endif()
   set_target_properties(${name}_test PROPERTIES CROSSCOMPILING_EMULATOR "${before}")
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES ${properties}
