@@ -32,6 +32,7 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
   sim::WorldOptions world_options;
   world_options.dynamics = options.dynamics;
   world_options.hung = options.suspended;
+  world_options.reading = options.reading;
   auto bus = KAZ_TRY(sim::VirtualBus::load(world, options.robot_file, world_options));
   if (options.supply_volts) bus->set_supply_volts(*options.supply_volts);
   sim::BusServerOptions serving;

@@ -16,6 +16,7 @@
 
 #include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
 #include "sim/body/description/scene.h"
 #include "sim/body/motor/motor_drive.h"
 #include "sim/body/world/loads.h"
@@ -72,6 +73,7 @@ struct WorldOptions {
   std::string dynamics = "reduced";
   // True: suspended robot; the root link is fixed and the feet do not touch the ground.
   bool hung = false;
+  ReadOptions reading = {};  // how World::load() reads the robot's file
   // Name of a motor in motor.xml, which is in the folder of the URDF file. "": the default motor of
   // motor.xml.
   std::string motor = "";
