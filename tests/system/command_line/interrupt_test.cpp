@@ -43,6 +43,7 @@ const std::map<std::string, std::vector<std::string>>& at_once() {
       {"can_bridge", {"can-bridge", "--help"}},  // needs a CAN interface; in the guest machine
       {"compare", {"compare", "--help"}},
       {"doctor", {"doctor", "--help"}},
+      {"robot", {"robot", "--help"}},
       {"shell", {"man"}}};
   return all;
 }
