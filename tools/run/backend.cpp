@@ -211,8 +211,11 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
       return fail(Fault::usage, "bus.json in the folder of " + robot_file +
                                     " has no servo for the joint " + joint.name);
     // A servo turns by one turn at most.
-    bus.joints.push_back({*servo, std::max(joint.lower, -std::numbers::pi),
-                          std::min(joint.upper, std::numbers::pi)});
+    host::BusJoint& added = bus.joints.emplace_back();
+    added.servo = *servo;
+    added.lower_rad = std::max(joint.lower, -std::numbers::pi);
+    added.upper_rad = std::min(joint.upper, std::numbers::pi);
+    added.max_rad_per_s = std::min(added.max_rad_per_s, joint.velocity);
   }
   return bus;
 }
