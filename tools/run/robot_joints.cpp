@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/run/robot_joints.h"
 
+#include <cstdio>
+
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::tools {
@@ -16,6 +18,14 @@ Result<std::vector<std::string>> other_joints(const std::string& robot_file) {
                                   std::to_string(KZ_JOINTS));
   if (robot.is_kaz()) return std::vector<std::string>();
   return joints;
+}
+
+void print_unused(const std::string& label, const std::string& robot_file) {
+  if (robot_file.empty()) return;
+  const auto robot = sim::load_robot(robot_file, {.body = false});
+  if (!robot || robot->notes.empty()) return;
+  std::fprintf(stderr, "%s: %s: not used: %s; `kaz robot check` lists the lines\n", label.c_str(),
+               robot_file.c_str(), sim::summary(robot->notes).c_str());
 }
 
 }  // namespace kaz::tools
