@@ -123,12 +123,17 @@ Result<BusBoard> BusBoard::open(Link& link, Clock& clock, std::vector<BusJoint> 
   return board;
 }
 
+// Largest ramp (0.1 rad/s) within the joint's speed limit; at least 1, the smallest ramp of the protocol.
+u16 max_ramp(const BusJoint& joint) {
+  return static_cast<u16>(std::clamp(std::floor(10 * joint.max_rad_per_s), 1.0, 60.0));
+}
+
 Result<void> BusBoard::reset() {
   KAZ_TRY(switch_to(0));
   for (Joint& joint : joints_) {
     joint.lower = to_angle(joint.of.lower_rad);
     joint.upper = to_angle(joint.of.upper_rad);
-    joint.ramp = 60;
+    joint.ramp = max_ramp(joint.of);
     joint.kp = KZ_KP_DEFAULT;
     joint.kd = KZ_KD_DEFAULT;
     joint.dead_band = 0;
@@ -317,7 +322,8 @@ Result<void> BusBoard::move(const kz_targets& targets) {
     if ((targets.mask >> j & 1) == 0) continue;
     Joint& joint = joints_[j];
     const BusServo& servo = joint.of.servo;
-    const double target = to_rad(targets.angle[j]), most = joint.ramp / 10.0;
+    const double target = to_rad(targets.angle[j]),
+                 most = std::min(joint.ramp / 10.0, joint.of.max_rad_per_s);
     const double speed = duration < kStream
                              ? most
                              : std::min(most, std::abs(target - joint.angle) / seconds(duration));
@@ -362,7 +368,7 @@ void BusBoard::set_limits(const kz_limits& limits) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if ((limits.mask >> j & 1) == 0) continue;
     Joint& joint = joints_[j];
-    joint.ramp = limits.ramp;
+    joint.ramp = std::min(limits.ramp, max_ramp(joint.of));
     joint.lower = std::max(limits.lower, to_angle(joint.of.lower_rad));
     joint.upper = std::min(limits.upper, to_angle(joint.of.upper_rad));
   }

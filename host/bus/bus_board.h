@@ -26,6 +26,7 @@ namespace kaz::host {
 struct BusJoint {
   servo_bus::BusServo servo;
   double lower_rad = 0, upper_rad = 0;  // mechanical range
+  double max_rad_per_s = 6;             // maximum speed of the goal, above 0
 };
 
 class BusBoard {

@@ -234,6 +234,28 @@ TEST_F(ServoRobot, HoldsWhereItIsAndTurnsToItsTargets) {
   EXPECT_EQ(servos.registers[2][40], 0);
 }
 
+TEST(BusBoard, AJointIsNotFasterThanItsLimit) {
+  Servos servos;
+  servos.add(1, 2048);
+  servos.add(2, 1000);
+  auto joints = two_joints();
+  joints[0].max_rad_per_s = 0.25;
+  auto board = BusBoard::open(servos, servos, joints);
+  ASSERT_TRUE(board) << board.error().message;
+  BoardLink link(*board, servos);
+  auto robot =
+      Robot::connect(link, servos, {.reconnect = Time::zero(), .joint_names = {"pan", "lift"}});
+  ASSERT_TRUE(robot) << robot.error().message;
+  ASSERT_TRUE(robot->set_limits(0b11, {.ramp_rad_per_s = 3, .lower_rad = -1, .upper_rad = 1}));
+  EXPECT_NEAR(robot->settings(0)->limits.ramp_rad_per_s, 0.2, 1e-9) << "in steps of 0.1 rad/s";
+  EXPECT_NEAR(robot->settings(1)->limits.ramp_rad_per_s, 3, 1e-9);
+  ASSERT_TRUE(robot->enable(0b11));
+  const double steps = 4096 / (2 * 3.14159265358979);
+  ASSERT_TRUE(robot->set_targets({{{0, 0.5}, {1, 0.5}}}, 12ms));
+  EXPECT_NEAR(servos.get(1, 46), 0.2 * steps, 1);
+  EXPECT_NEAR(servos.get(2, 46), 3 * steps, 2);
+}
+
 constexpr int kTorque = 40, kGoal = 42, kFor = 1'000'000;
 
 TEST_F(ServoRobot, AnOffThatIsLostIsWrittenAgain) {

@@ -55,9 +55,9 @@ struct RangePlan {
   // Reason why the joint cannot be calibrated, and the remedy; empty if calibration is possible.
   std::string fault;
   bool wrapped = false;      // with the old registers, the position wraps within the joint's range
-  double low = 0, high = 0;  // positions at the stops with the new registers, steps
+  double low = 0, high = 0;  // positions at the stops in steps, with the new registers
   RangeRegisters registers;  // new values of the registers
-  double zero = 0;           // position of the joint's zero, for bus.json, steps
+  double zero = 0;           // position of the joint's zero in steps, for bus.json
 };
 
 // Minimum distance, in steps, from the joint's range to the place at which the servo's position wraps.

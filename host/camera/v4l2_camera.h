@@ -45,11 +45,12 @@ struct V4l2Statistics {
   std::uint64_t pairs = 0;            // pairs delivered to the queue of poll()
   std::uint64_t not_taken = 0;        // pairs dropped because poll() was called too rarely
   std::uint64_t without_partner = 0;  // pictures of either side that got no partner
-  std::uint64_t damaged = 0;          // pictures marked by the driver, truncated, or not decodable
-  std::uint64_t out_of_order = 0;     // pictures not newer than the previous one of their side
-  std::uint64_t lost = 0;             // pictures lost by the driver, for lack of a buffer
-  std::uint64_t ahead = 0;            // pictures with a computed exposure later than their arrival
-  Time largest_gap{};                 // longest time between the exposures of a pair
+  std::uint64_t damaged =
+      0;  // pictures that the driver reports as damaged, or that cannot be decoded
+  std::uint64_t out_of_order = 0;  // pictures not newer than the previous one of their side
+  std::uint64_t lost = 0;          // pictures lost by the driver, for lack of a buffer
+  std::uint64_t ahead = 0;         // pictures with a computed exposure later than their arrival
+  Time largest_gap{};              // longest time between the exposures of a pair
   Time tolerance{};
   std::array<Stamp, 2> stamps{};  // kind of time stamps, left and right
 };

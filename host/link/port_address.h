@@ -25,7 +25,7 @@ struct PortAddress {
   int baud = KZ_BAUD;          // for serial and rfc2217
 
   // Name for messages: "/dev/ttyUSB0", "can:can0", "tcp:bench:7000". parse_port_address() accepts this name
-  // and returns the same port. The name has no bit rate, except if the path contains '@'.
+  // and returns the same port. The bit rate is part of the name only if the path contains '@'.
   std::string name() const;
 };
 

@@ -90,8 +90,8 @@ std::uint32_t read_big_endian(std::span<const std::uint8_t> data);
 
 enum class End { client, server };
 
-// Option negotiation of one end. Agrees once to each supported option and declines every other option once.
-// This rule prevents an endless exchange of replies between the two ends.
+// Negotiates the options of one end of a connection. Agrees once to each supported option, and declines every
+// other option once. This rule prevents an endless exchange of replies between the two ends.
 class Options {
  public:
   // Writes this end's initial offers and requests. A server does not offer option 44 first. If a server

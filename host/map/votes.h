@@ -33,8 +33,8 @@ inline constexpr float kContactSigmas = 3;
 // part is labeled floor.
 inline constexpr double kSide = 16.0 / 320;
 // Limits of a cell's log-odds, so that the cell can change again. Floor saturates after five votes. Reason:
-// pictures from one place repeat each other's errors. Later pictures from near must be able to correct floor
-// that was labeled from far.
+// pictures from one place repeat each other's errors. If a distant part is wrongly labeled floor, pictures
+// from a shorter distance must be able to correct the label.
 inline constexpr double kMaxOdds = 10, kMaxFloorOdds = 3;
 // Near the feet, floor votes do not change a cell whose log-odds are above this value (three obstacle votes).
 inline constexpr double kKeptBeside = 3.6;

@@ -67,6 +67,7 @@ class Contact(TypedDict):
 
 class Simulation:
     def __init__(self, *, world: str | PathLike[str] = ..., robot_file: str | PathLike[str] = ..., mcu: str = ...,
+                 mesh_collision: str = ..., skip_missing_meshes: bool = ...,
                  image: str | PathLike[str] = ..., seed: int = ..., eyes: str = ..., eye_width: int = ...,
                  renderer: str = ..., sensors: str = ..., dynamics: str = ..., physics_step_ms: float = ...,
                  supply_volts: float = ..., suspended: bool = ..., imu: bool = ...,
@@ -184,6 +185,7 @@ def schemas() -> dict[str, tuple[str, str, str]]: ...
 def run_behavior(name: str, *, settings: Mapping[str, object] = ..., out: str = ..., robot: str = ...,
                  camera: str = ..., calibration: str = ..., address: int = ..., record_pictures: bool = ...,
                  world: str | PathLike[str] = ..., robot_file: str | PathLike[str] = ..., mcu: str = ...,
+                 mesh_collision: str = ..., skip_missing_meshes: bool = ...,
                  image: str | PathLike[str] = ..., seed: int = ..., eyes: str = ..., eye_width: int = ...,
                  renderer: str = ..., sensors: str = ..., dynamics: str = ..., physics_step_ms: float = ...,
                  supply_volts: float = ..., suspended: bool = ..., imu: bool = ...,

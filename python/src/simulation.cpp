@@ -137,7 +137,8 @@ std::shared_ptr<SimulatedWorld> make(const py::kwargs& given) {
   simulation->world().watch_contacts(true);
   const auto robot = value_of(sim::load_robot(options.robot_file.empty()
                                                   ? value_of(tools::data_file("robot/kaz/kaz.urdf"))
-                                                  : options.robot_file));
+                                                  : options.robot_file,
+                                              {.body = false}));
   std::vector<std::string> links;
   for (const auto& [name, frame] : robot.frames) links.push_back(name);
   return std::make_shared<SimulatedWorld>(std::move(simulation), std::move(links));

@@ -75,8 +75,8 @@ class Guard final : public nlohmann::json_sax<Json> {
 
   std::string_view text_;
   std::string why_;
-  // The vector has one element for each open object or list. The element of an object has the keys read so
-  // far. The element of a list is empty.
+  // One set for each open object or list. The set of an object has the keys read so far. The set of a list
+  // is always empty.
   std::vector<std::set<std::string>> keys_;
 };
 

@@ -68,24 +68,16 @@ Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool
   return {};
 }
 
-// Whether `p`, in the shape's frame, lies deeper than `depth_m` in it. Planes and meshes have no inside here.
-bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m) {
-  const double radius = shape.size.x() - depth_m, around = p.head<2>().norm(),
-               along = std::abs(p.z()) - shape.size.y() / 2;
-  switch (shape.kind) {
-    case Shape::Kind::box:
-      return (p.cwiseAbs().array() < shape.size.array() / 2 - depth_m).all();
-    case Shape::Kind::sphere:
-      return p.norm() < radius;
-    case Shape::Kind::cylinder:
-      return around < radius && along < -depth_m;
-    case Shape::Kind::capsule:
-      return std::hypot(around, std::max(along, 0.0)) < radius;
-    case Shape::Kind::plane:
-    case Shape::Kind::mesh:
-      break;
+// ODE's hinges measure angles within half a turn.
+Result<void> check_hinges(const RobotModel& robot) {
+  constexpr double kLargestLimit = 3.1;  // rad; the stop is one degree beyond the limit
+  for (const RobotJoint& joint : robot.joints) {
+    if (joint.lower >= -kLargestLimit && joint.upper <= kLargestLimit) continue;
+    return fail(Fault::usage, "joint `" + joint.name +
+                                  "` can turn beyond 3.1 rad, which only --dynamics reduced "
+                                  "supports; leave out --dynamics");
   }
-  return false;
+  return {};
 }
 
 // Of a part of the robot: the middle of each shape, and the corners of the box around it, 5 mm within.
@@ -138,6 +130,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
                                   " s: must be above 0 and at most 0.01 s; the default is 0.001 s");
   }
   KAZ_TRY(check_pushes(world, robot, options.hung));
+  if (*iterations != kReduced) KAZ_TRY(check_hinges(robot));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
@@ -145,7 +138,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
 Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
                                     const WorldOptions& options) {
   WorldFiles files;
-  files.robot = KAZ_TRY(load_robot(robot_path));
+  files.robot = KAZ_TRY(load_robot(robot_path, options.reading));
   const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
   files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
   if (options.ideal_motors) files.motor = files.motor.ideal();

@@ -86,7 +86,7 @@ class Fuzzed(unittest.TestCase):
         (self.tree / "tools/planted/page/src/planted.ts").write_text("JSON.parse(text)\n")
         # Files that have a target, a reason, and a reason for all files of a folder.
         listed = {"hil/fuzz/grammar.cpp": "auto a = Json::parse(text);\n",
-                  "tools/cli/verb_bus.cpp": "auto a = ::recv(fd, bytes, size, 0);\n",
+                  "tools/bus/verb_bus.cpp": "auto a = ::recv(fd, bytes, size, 0);\n",
                   "sim/h8s/chip/adc.cpp": "auto a = ::read(fd, bytes, size);\n"}
         for name, code in listed.items():
             with (self.tree / name).open("a") as file:

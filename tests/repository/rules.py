@@ -172,9 +172,6 @@ LAYERS = {
         "film": ("drawing", "lockstep", "base", "run", "replay"),
         "vision_run": ("drawing", "base", "kept", "vision", "run", "replay"),
         "fuzz": ("lockstep", "viewer", "base", "kept", "vision", "run", "compare", "replay", "eval"),
-        "cli": ("drawing", "viewer", "base", "vision", "run", "board", "bridge", "bus", "calibrate",
-                "compare", "doctor", "monitor", "flash", "mcu", "sim", "bench", "replay", "eval", "film",
-                "vision_run", "fuzz"),
         "benchmark": (),
         "repo": (),
     },
@@ -194,6 +191,14 @@ LAYERS = {
     },
     "tests/system/command_line": {".": (), "plugins": ()},
 }
+# The folder of a new verb needs no entry. `cli` and the files that parse the options of a verb are above all
+# folders of verbs.
+VERBS = {found[2]: found[1] for found in re.finditer(
+    r"^KAZ_VERB\((\w+), (\w+)\)", (ROOT / "tools/cli/verbs.def").read_text(), re.M)}
+for folder in VERBS.keys() - {"cli"}:
+    LAYERS["tools"].setdefault(folder, ("drawing", "lockstep", "base", "kept", "vision", "run", "board"))
+LAYERS["tools"]["cli"] = ("drawing", "viewer", "vision", "base", "film", *sorted(VERBS.keys() - {"cli"}))
+VERB_FILE = re.compile(r"tools/\w+/verb_\w+\.cpp")
 # The emulator can be used alone: of other parts it includes only these.
 ALONE = {"sim/h8s": ("shared/base/archive.hpp", "shared/base/browser_guard.hpp", "shared/base/descriptor.hpp",
                     "shared/base/files.hpp", "shared/base/result.hpp", "shared/image/image.h")}
@@ -204,6 +209,8 @@ TEST_FILE = re.compile(r"(_test\.cpp|_testing\.\w+|_benchmark\.cpp)$")
 
 
 def part_of(folder, name):
+    if folder == "tools" and VERB_FILE.fullmatch(name):
+        return "cli"
     if TEST_FILE.search(name) and "tests" in LAYERS.get(folder, ()) and folder:
         return "tests"
     inside = name[len(folder) + 1:] if folder else name

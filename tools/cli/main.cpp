@@ -74,7 +74,7 @@ int parse_and_run(int argc, char** argv) {
   program.option_defaults()->disable_flag_override();
   program.formatter(std::make_shared<kaz::tools::HelpFormatter>());  // its verbs inherit it
   kaz::tools::Action action;
-#define KAZ_VERB(name) kaz::tools::add_##name(program, action);
+#define KAZ_VERB(name, folder) kaz::tools::add_##name(program, action);
 #include "tools/cli/verbs.def"
 #undef KAZ_VERB
   // After the verbs, which would inherit it.

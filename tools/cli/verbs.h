@@ -14,8 +14,8 @@ namespace kaz::tools {
 // the Error determines the exit status (shared/base/result.hpp).
 using Action = std::function<Result<ExitStatus>()>;
 
-// Declares add_NAME for each verb. The file verb_NAME.cpp defines this function.
-#define KAZ_VERB(name) void add_##name(CLI::App& program, Action& action);
+// Declares add_NAME for each verb. The file verb_NAME.cpp in the folder of the verb defines this function.
+#define KAZ_VERB(name, folder) void add_##name(CLI::App& program, Action& action);
 #include "tools/cli/verbs.def"
 #undef KAZ_VERB
 

@@ -454,7 +454,7 @@ std::vector<std::string> notes_of(const RunTrace& a, const RunTrace& b, double s
   const bool at_once = same_s < 0.05;  // what would be printed as 0.0 s
   if (!begin.empty()) notes.push_back(begin + "; angles may differ for this reason");
   if (same_s < shorter && (begin.empty() || !at_once))
-    notes.push_back((at_once ? std::string("the targets of A and B differ from the beginning")
+    notes.push_back((at_once ? std::string("the targets of A and B already differ at the start")
                              : "the targets of A and B agree within 1 degree until " +
                                    seconds_text(same_s) + " and then differ") +
                     "; different targets can cause different angles");

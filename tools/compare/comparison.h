@@ -60,8 +60,8 @@ Comparison compare(const RunTrace& a, const RunTrace& b);
 struct CommandCurve {
   double start_s = 0;
   std::vector<double> angle_rad;
-  // Returns false before start_s, because there is no command yet. After the last step the last angle stays
-  // valid.
+  // Returns false if time_s is below start_s: no command was sent yet. After the last step, the last angle
+  // stays valid.
   bool covers(double time_s) const { return !angle_rad.empty() && time_s >= start_s; }
   double at(double time_s) const;
 };

@@ -323,7 +323,8 @@ Result<void> KeptRun::end() {
   std::error_code error;
   if (!path_.empty() && !fs::remove(path_, error) && error)
     std::fprintf(stderr,
-                 "%s: the board is restored, but its notes cannot be removed (%s): remove %s\n",
+                 "%s: the board is restored, but the file with its settings was not deleted (%s); "
+                 "delete %s\n",
                  options_.verb.c_str(), error.message().c_str(), path_.c_str());
   return {};
 }

@@ -108,7 +108,7 @@ class KeptRun {
 };
 
 // Combines the result `ran` of a run with the result `left` of restoring the board. If both are errors,
-// returns the fault of the first error with both messages.
+// returns an error with the fault of `ran` and the messages of both.
 template <class T>
 Result<T> together(Result<T> ran, const Result<void>& left) {
   if (left) return ran;

@@ -241,9 +241,10 @@ Result<bool> replay(const ReplayOptions& options) {
     const auto alone = KAZ_TRY(host_can_run_alone(recorded, run_options.behavior));
     whole = !alone;
     if (whole)
-      std::fprintf(stderr,
-                   "kaz replay: this recording has no pictures, so the simulation runs again too; "
-                   "record with\n--record-pictures to run only the host again\n");
+      std::fprintf(
+          stderr,
+          "kaz replay: this recording has no pictures, so not only the host but also "
+          "the simulation runs again;\nto run only the host, record with --record-pictures\n");
   }
   return whole ? replay_whole(options, recorded, std::move(run_options))
                : replay_host(options, recorded, std::move(run_options));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 
 #include "host/bus/bus_port.h"
 #include "host/link/faulty_link.h"
@@ -194,7 +195,7 @@ struct BusOfFile {
 
 // The robot's joints with their servos, which must speak `protocol`.
 Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol protocol) {
-  const auto robot = KAZ_TRY(sim::load_robot(robot_file));
+  const auto robot = KAZ_TRY(sim::load_robot(robot_file, {.body = false}));
   const auto file = KAZ_TRY(servo_bus::load_bus_file(robot_file));
   if (file.protocol != protocol)
     return fail(Fault::usage, "bus.json in the folder of " + robot_file + " describes a " +
@@ -209,7 +210,12 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
     if (servo == file.servos.end())
       return fail(Fault::usage, "bus.json in the folder of " + robot_file +
                                     " has no servo for the joint " + joint.name);
-    bus.joints.push_back({*servo, joint.lower, joint.upper});
+    // A servo turns by one turn at most.
+    host::BusJoint& added = bus.joints.emplace_back();
+    added.servo = *servo;
+    added.lower_rad = std::max(joint.lower, -std::numbers::pi);
+    added.upper_rad = std::min(joint.upper, std::numbers::pi);
+    added.max_rad_per_s = std::min(added.max_rad_per_s, joint.velocity);
   }
   return bus;
 }

@@ -60,6 +60,7 @@ struct BackendOptions : sim::RobotOptions {
              "folder (default: Kaz)",
              "FILE"},
             robot_file);
+    visit_meshes(archive);
   }
   template <class A>
   void visit_image(A&& archive) {

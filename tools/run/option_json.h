@@ -13,9 +13,10 @@ namespace kaz::tools {
 // Returns an archive (robot_options.h) that appends each option to `to`, which must outlive the archive.
 inline auto option_json_writer(nlohmann::ordered_json& to) {
   return [&to]<class T>(const sim::OptionText& text, const T& value, const auto&...) {
+    if (text.optional && value == T{}) return;
     if constexpr (std::is_enum_v<T>)
       to[text.name] = to_string(value);
-    else if (!text.optional || value != T{})
+    else
       to[text.name] = value;
   };
 }

@@ -61,7 +61,10 @@ Result<RunPlan> RunPlan::make(RunOptions options) {
   if (plan.behavior_.takes_requests && !options.requests)
     return fail(Fault::usage, behavior::kNoRequests);
   BackendOptions& backend = options.backend;
-  if (!options.open_backend) backend.joints = KAZ_TRY(other_joints(backend.robot_file));
+  if (!options.open_backend) {
+    backend.joints = KAZ_TRY(other_joints(backend.robot_file));
+    if (!options.quiet) print_unused(options.label, backend.robot_file);
+  }
   backend.needs_camera = plan.behavior_.needs_camera;
   KAZ_TRY(check(backend));
   plan.target_ = KAZ_TRY(target_of(backend));

@@ -24,7 +24,7 @@ struct Score {
   std::vector<double> error_deg;
   // Share (0 to 1) of the samples after found_s with an error below 3 degrees; empty without samples.
   std::optional<double> within_3deg;
-  std::optional<double> rms_deg;  // root mean square of the errors after found_s that are not NaN
+  std::optional<double> rms_deg;  // root mean square of the errors after found_s, without NaN
 };
 
 // Samples the ground truth at each control cycle, for scoring only. Behaviors have no access to the ground

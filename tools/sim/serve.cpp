@@ -14,6 +14,7 @@
 #include "sim/stand/stand_commands.h"
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/output_file.h"
+#include "tools/run/robot_joints.h"
 #include "tools/sim/stop_flag.h"
 
 namespace kaz::tools {
@@ -54,6 +55,7 @@ Result<void> check_place(const std::string& option, const std::string& path) {
 }
 
 Result<bool> serve(ServeOptions arguments) {
+  print_unused("kaz sim", arguments.backend.robot_file);
   if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != sim::McuKind::h8)
     return fail(Fault::usage,
                 "--erased and --boot are only valid with --mcu h8: native has no flash");

@@ -7,6 +7,7 @@
 #include "sim/runtime/serving/bus_server.h"
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/paths.h"
+#include "tools/run/robot_joints.h"
 #include "tools/sim/serve.h"
 #include "tools/sim/stop_flag.h"
 
@@ -26,12 +27,14 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
                                   options.robot_file + " has servos of the protocol " +
                                   std::string(servo_bus::name_of(file.protocol)) +
                                   "; give that protocol, or another robot file");
+  print_unused("kaz sim", options.robot_file);
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto world = KAZ_TRY(world_file(options.world));
   sim::WorldOptions world_options;
   world_options.dynamics = options.dynamics;
   world_options.hung = options.suspended;
+  world_options.reading = options.reading;
   auto bus = KAZ_TRY(sim::VirtualBus::load(world, options.robot_file, world_options));
   if (options.supply_volts) bus->set_supply_volts(*options.supply_volts);
   sim::BusServerOptions serving;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
 
 namespace kaz::tools {
 
@@ -16,6 +17,7 @@ struct ServeBusOptions {
   std::string world = "empty";
   std::string dynamics = "reduced";
   bool suspended = false;              // the robot is held at the trunk
+  sim::ReadOptions reading = {};       // how the robot's file is read
   std::optional<double> supply_volts;  // supply voltage; empty: the voltage in bus.json
 };
 

@@ -44,7 +44,7 @@ constexpr std::string_view kWire = "/wire/";
 
 Result<Feed> Feed::create(Server& server, const std::string& robot_path,
                           const FeedOptions& options) {
-  auto model = KAZ_TRY(sim::load_robot(robot_path));
+  auto model = KAZ_TRY(sim::load_robot(robot_path, {.skip_missing_meshes = true}));
   Feed feed(server, std::move(model), options);
   if (options.recorded_robot) return feed;
   const std::string urdf = KAZ_TRY(read_whole_file(robot_path, 16 << 20));

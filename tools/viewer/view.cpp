@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/viewer/view.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <thread>
 #include <utility>
 
@@ -111,7 +113,7 @@ Result<Where> parse_where(const std::string& text) {
 Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
                                             std::uint64_t end_ns, std::string& url) {
   const Where where = KAZ_TRY(parse_where(options.where));
-  const sim::RobotModel robot = KAZ_TRY(sim::load_robot(options.robot_path));
+  const sim::RobotModel robot = KAZ_TRY(sim::load_robot(options.robot_path, {.skip_missing_meshes = true}));
   ServerOptions server;
   server.address = where.address;
   server.port = where.port;
@@ -222,7 +224,8 @@ std::string hands_json(const sim::RobotModel& robot) {
            {"limits", Json::object()},
            {"links", Json::array()}};
   for (const sim::RobotJoint& joint : robot.joints)
-    all["limits"][joint.name] = {joint.lower, joint.upper};
+    all["limits"][joint.name] = {std::max(joint.lower, -std::numbers::pi),
+                                 std::min(joint.upper, std::numbers::pi)};
   for (const faults::Kind& kind : faults::kinds())
     all["faults"].push_back({{"name", kind.name},
                              {"of_joint", kind.target == faults::Target::joint},

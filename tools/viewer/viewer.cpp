@@ -169,7 +169,8 @@ void Viewer::send_parameters(const Request& request) {
 void Viewer::playback(const Playback& wanted) {
   if (server_.options.end_ns == 0)
     return reject("this run is live: only a recording can be played");
-  if (!control_) return reject("to control the player, open the address with its token");
+  if (!control_)
+    return reject("to control the player, open the complete address, including the token");
   const std::lock_guard lock(server_.handlers);
   if (server_.on_playback) server_.on_playback(wanted);
 }

@@ -303,10 +303,11 @@ Result<Board> parse_board(const std::string& text, double square_m) {
   if (std::sscanf(text.c_str(), "%dx%d%n", &columns, &rows, &end) != 2 ||
       end != static_cast<int>(text.size()) || columns < 3 || rows < 3 || columns > 100 ||
       rows > 100)
-    return fail(Fault::usage,
-                "--board '" + text +
-                    "': give the inner corners along both sides, 3 to 100, for example 9x6 for a "
-                    "board of 10 x 7 squares");
+    return fail(
+        Fault::usage,
+        "--board '" + text +
+            "': give the number of inner corners along each side, 3 to 100, for example 9x6 for "
+            "a board of 10 x 7 squares");
   if (square_m < kMinSquare_m || square_m > kMaxSquare_m) {
     char wrong[120];
     std::snprintf(wrong, sizeof wrong,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/body/description/convex_hull.h"
+
 namespace kaz::sim {
 namespace {
 
@@ -21,6 +23,12 @@ double radius_about(const Shape& shape) {
       return std::hypot(s.x(), s.y() / 2);
     case Shape::Kind::capsule:
       return s.x() + s.y() / 2;
+    case Shape::Kind::hull: {
+      double farthest = 0;
+      for (std::size_t i = 0; i < shape.hull->size(); ++i)
+        farthest = std::max(farthest, shape.hull->point(i).norm());
+      return farthest;
+    }
     default:
       return s.x();
   }
@@ -85,13 +93,13 @@ void ContactModel::add(const RigidLink& link, int robot_link, int body,
   const bool moves = body >= 0;
   std::vector<Eigen::Vector3d> centres;
   for (const CollisionShape& shape : link.collisions) {
-    if (shape.shape.kind == Shape::Kind::mesh) continue;
     const Eigen::Isometry3d at = moves ? shape.in_link : pose * shape.in_link;
     Geom& geom = geoms_.emplace_back();
     names_.push_back(link.name);
     geom.kind = shape.shape.kind;
     geom.size = shape.shape.size;
     geom.surface = shape.surface;
+    geom.hull = shape.shape.hull;
     geom.half = shape.shape.size / 2;
     geom.radius = radius_about(shape.shape);
     if (geom.kind == Shape::Kind::plane) {

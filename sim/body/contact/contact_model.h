@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +21,7 @@ class ContactModel {
   // A link of `robot` does not collide with the three nearest ancestors of the link.
   explicit ContactModel(const RobotModel& robot);
 
-  // Adds the collision shapes of one link, except meshes. Contacts::place() uses the number
+  // Adds the collision shapes of one link. Contacts::place() uses the number
   // `body` for this link. If the link is fixed in the world at `pose`, `body` is -1.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
@@ -37,6 +38,7 @@ class ContactModel {
     // Orientation in the body's axes. For a fixed shape: orientation in the world frame.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Surface surface;
+    std::shared_ptr<const ConvexHull> hull;  // hulls only
   };
   // All shapes of one body, or one fixed shape.
   struct Part {

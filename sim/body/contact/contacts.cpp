@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/body/contact/contact_surface.h"
+#include "sim/body/description/convex_hull.h"
 
 namespace kaz::sim {
 namespace {
@@ -16,7 +17,7 @@ constexpr int kContactsPerPair = 4;
 // which face was tried first.
 constexpr double kClearlyApart = 1e-9;  // m
 
-// ODE's geoms in the order of Shape::Kind; meshes do not collide.
+// ODE's geoms in the order of Shape::Kind. Meshes are only drawn.
 template <class Shapes>
 void make_geoms(Shapes& shapes) {
   static_assert(static_cast<int>(Shape::Kind::mesh) == std::tuple_size_v<Shapes>);
@@ -28,6 +29,10 @@ void make_geoms(Shapes& shapes) {
   reset(Shape::Kind::sphere, dCreateSphere(nullptr, 1));
   reset(Shape::Kind::capsule, dCreateCapsule(nullptr, 1, 1));
   reset(Shape::Kind::plane, dCreatePlane(nullptr, 0, 0, 1, 0));
+  // set_hull() replaces these empty arrays.
+  static double nothing = 0;
+  static unsigned no_polygon = 0;
+  reset(Shape::Kind::hull, dCreateConvex(nullptr, &nothing, 0, &nothing, 0, &no_polygon));
 }
 
 void set_size(dGeomID geom, Shape::Kind kind, const Eigen::Vector3d& s) {
@@ -41,9 +46,16 @@ void set_size(dGeomID geom, Shape::Kind kind, const Eigen::Vector3d& s) {
     case Shape::Kind::capsule:
       return dGeomCapsuleSetParams(geom, s.x(), s.y());
     case Shape::Kind::plane:
+    case Shape::Kind::hull:
     case Shape::Kind::mesh:
       break;
   }
+}
+
+// ODE keeps the pointers and only reads the arrays. The ContactModel keeps them until the next search.
+void set_hull(dGeomID geom, const ConvexHull& hull) {
+  dGeomSetConvex(geom, hull.planes.data(), static_cast<unsigned>(hull.planes.size() / 4),
+                 hull.points.data(), static_cast<unsigned>(hull.size()), hull.polygons.data());
 }
 
 bool apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach) {
@@ -111,6 +123,7 @@ dGeomID Contacts::placed(const OdeShapes& shapes, std::size_t number) {
     dGeomPlaneSetParams(id, plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
     return id;
   }
+  if (geom.hull) set_hull(id, *geom.hull);
   set_size(id, geom.kind, geom.size);
   const Eigen::Vector3d& centre = at(number);
   dMatrix3 rotation;
@@ -193,7 +206,11 @@ void Contacts::meet_planes(const Part& part) {
   for (const ContactModel::Plane& plane : model_->planes()) {
     if (plane.normal.dot(part.at) - plane.offset > part.radius) continue;
     for (std::size_t i = part.first; i < part.first + part.count; ++i) {
-      if (plane.normal.dot(at(i)) - plane.offset <= model_->geoms()[i].radius) touch(i, plane.geom);
+      if (plane.normal.dot(at(i)) - plane.offset > model_->geoms()[i].radius) continue;
+      if (model_->geoms()[i].hull)
+        rest(i, plane);
+      else
+        touch(i, plane.geom);
     }
   }
 }
@@ -223,18 +240,59 @@ bool Contacts::parted(std::size_t a, std::size_t b) {
   return false;
 }
 
-void Contacts::touch(std::size_t a, std::size_t b) {
+// The contact of two shapes, without a point.
+Touch Contacts::contact_of(std::size_t a, std::size_t b) const {
   const Geom &geom_a = model_->geoms()[a], &geom_b = model_->geoms()[b];
-  std::array<dContactGeom, kContactsPerPair> found;
-  const int count = dCollide(placed(of_a_, a), placed(of_b_, b), kContactsPerPair, found.data(),
-                             sizeof(dContactGeom));
-  if (count == 0) return;
   Touch touch;
   touch.body_a = geom_a.body;
   touch.body_b = geom_b.body;
   touch.shape_a = static_cast<std::uint32_t>(a);
   touch.shape_b = static_cast<std::uint32_t>(b);
   touch.surface = joined(geom_a.surface, geom_b.surface);
+  return touch;
+}
+
+// A hull on a plane. ODE would take the first four vertices below the plane, which may lie on one side. These
+// four span the area: the deepest vertex, the farthest from it, and the farthest on both sides of their line.
+void Contacts::rest(std::size_t number, const ContactModel::Plane& plane) {
+  const ConvexHull& hull = *model_->geoms()[number].hull;
+  const Eigen::Matrix3d& turn = axes(number);
+  const Eigen::Vector3d& centre = at(number);
+  below_.clear();
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector3d point = centre + turn * hull.point(i);
+    const double depth = plane.offset - plane.normal.dot(point);
+    if (depth >= 0) below_.emplace_back(point, depth);
+  }
+  if (below_.empty()) return;
+  const auto farthest = [this](const auto& measure) {
+    return std::ranges::max_element(below_, {}, [&](const auto& one) { return measure(one); });
+  };
+  const auto first = farthest([](const auto& one) { return one.second; });
+  const auto second =
+      farthest([&](const auto& one) { return (one.first - first->first).squaredNorm(); });
+  const Eigen::Vector3d across = plane.normal.cross(second->first - first->first);
+  const auto side = [&](const auto& one) { return across.dot(one.first - first->first); };
+  const auto left = farthest(side);
+  const auto right = farthest([&](const auto& one) { return -side(one); });
+  std::vector<std::ptrdiff_t> chosen;
+  for (const auto& one : {first, second, left, right}) {
+    if (std::ranges::count(chosen, one - below_.begin()) > 0) continue;
+    chosen.push_back(one - below_.begin());
+    Touch touch = contact_of(number, plane.geom);
+    touch.at = one->first;
+    touch.normal = plane.normal;
+    touch.depth = one->second;
+    touches_.push_back(touch);
+  }
+}
+
+void Contacts::touch(std::size_t a, std::size_t b) {
+  std::array<dContactGeom, kContactsPerPair> found;
+  const int count = dCollide(placed(of_a_, a), placed(of_b_, b), kContactsPerPair, found.data(),
+                             sizeof(dContactGeom));
+  if (count == 0) return;
+  Touch touch = contact_of(a, b);
   for (int i = 0; i < count; ++i) {
     const dContactGeom& point = found[static_cast<std::size_t>(i)];
     touch.at = to_eigen(point.pos);

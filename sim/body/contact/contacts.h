@@ -85,7 +85,7 @@ class Contacts {
   };
   // One ODE geom of each kind of shape. Before each test, the geom receives the size and pose of the tested
   // shape.
-  using OdeShapes = std::array<OdeGeomHandle, 5>;
+  using OdeShapes = std::array<OdeGeomHandle, 6>;
 
   Contacts();
   void place_parts(std::span<const ContactModel::Part> from, std::vector<Part>& to);
@@ -96,6 +96,8 @@ class Contacts {
   void meet_robot(const Part& other);
   void meet_planes(const Part& part);
   bool parted(std::size_t a, std::size_t b);
+  Touch contact_of(std::size_t a, std::size_t b) const;
+  void rest(std::size_t hull, const ContactModel::Plane& plane);
   void touch(std::size_t a, std::size_t b);
 
   const ContactModel* model_ = nullptr;
@@ -109,6 +111,8 @@ class Contacts {
   bool robot_moves_ = false;
   std::array<Hint, 256> hints_{};
   OdeShapes of_a_, of_b_;
+  std::vector<std::pair<Eigen::Vector3d, double>>
+      below_;  // vertices of a hull below a plane, with depths
 };
 
 }  // namespace kaz::sim

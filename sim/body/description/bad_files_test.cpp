@@ -102,8 +102,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"other_root", "<robot name=\"kaz\">", "<model name=\"kaz\"/><!--", 0, ""},
         Case{"typing_error", "<visual name=\"pelvis\">", "<visuel/><visual name=\"pelvis\">", 0,
              "unknown element <visuel> in <link>"},
-        Case{"zero_mass", "<mass value=\"0.550\"/>", "<mass value=\"0\"/>", 0,
-             "mass of link `trunk` is not above zero"},
+        Case{"negative_mass", "<mass value=\"0.550\"/>", "<mass value=\"-0.55\"/>", 0,
+             "a mass of -0.55 kg; masses are not negative"},
         Case{"no_number", "<mass value=\"0.550\"/>", "<mass value=\"half\"/>", 0,
              "attribute `value` of <mass> is \"half\""},
         Case{"two_numbers", "size=\"0.05 0.084 0.02\"", "size=\"0.05 0.084\"", 0,
@@ -121,8 +121,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"turned_often", "<origin xyz=\"-0.004 0 0.021\"/>",
              "<origin xyz=\"0 0 0\" rpy=\"0 1e9 0\"/>", 0,
              "turned by 1e+09 rad; angles are from -100 to 100 rad"},
-        Case{"as_light_as_nothing", "<mass value=\"0.550\"/>", "<mass value=\"1e-200\"/>", 0,
-             "a mass of 1e-200 kg; masses are from 1e-9 to 100 kg"},
         Case{"as_inert_as_a_planet", "<inertia ixx=\"0.000872\"", "<inertia ixx=\"1e30\"", 0,
              "ixx of 1e+30 kg m2; moments are from -10000 to 10000 kg m2"},
         Case{"ampersand", "<robot name=\"kaz\">", "<robot name=\"kaz&amp;co\">", 0,
@@ -136,7 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
              "mesh `pelvis.stl` cannot be read (No such file or directory); check the path"},
         Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",
-             "<mesh filename=\"pelvis.dae\"/>", 0, "mesh `pelvis.dae` is neither .obj nor .stl"},
+             "<mesh filename=\"pelvis.blend\"/>", 0,
+             "mesh `pelvis.blend` is not .obj, .stl or .dae"},
         Case{"mesh_that_is_none", "<box size=\"0.05 0.084 0.02\"/>",
              "<mesh filename=\"broken.stl\"/>", 0, "mesh `broken.stl` is not an STL file"},
         Case{"friction_of_nobody", "<gazebo reference=\"trunk\">", "<gazebo reference=\"belly\">",
@@ -145,11 +144,6 @@ INSTANTIATE_TEST_SUITE_P(
              "<mu1> must contain one number not below 0"},
         Case{"two_frictions", "<mu1>0.4</mu1>", "<mu1>0.4</mu1><mu2>0.5</mu2>", 0,
              "<mu2> must contain one number not below 0; mu1 and mu2 must be equal"},
-        Case{"no_inertia",
-             "<mass value=\"0.550\"/>\n      <inertia ixx=\"0.000872\" iyy=\"0.000597\" "
-             "izz=\"0.0005523\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>",
-             "<mass value=\"0.550\"/>", -1,
-             "<inertial> of link `trunk` needs <mass> and <inertia>"},
         Case{"impossible_inertia", "<inertia ixx=\"0.000872\"", "<inertia ixx=\"0.1\"", 0,
              "the inertia of link `trunk` is impossible"},
         Case{"unknown_child", "<child link=\"neck_pan\"/>", "<child link=\"neck_pam\"/>", 0,
@@ -159,23 +153,16 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"second_parent", "<child link=\"neck_tilt\"/>", "<child link=\"neck_pan\"/>", -1,
              "link `neck_pan` is already the child of joint `neck_pan`"},
         Case{"mimic", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 1\"/><mimic joint=\"waist\"/>", 0,
-             "refers to joint `waist`, which does not exist"},
+             "<mimic> is not supported"},
         Case{"zero_axis", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 0,
              "axis of joint `neck_pan` is zero"},
         Case{"swapped_limits", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
              "<limit lower=\"1.5707\" upper=\"-1.5707\"", 0, "is not below the upper one"},
-        Case{"half_a_turn", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
-             "<limit lower=\"-1.5707\" upper=\"3.14\"", 0,
-             "is 3.14 rad: its stop, 1 degree farther, must be within half a turn; give -3.1 to "
-             "3.1 rad"},
+        Case{"degrees", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
+             "<limit lower=\"-1.5707\" upper=\"180\"", 0,
+             "is 180 rad; limits are from -100 to 100 rad"},
         Case{"prismatic", "<joint name=\"neck_pan\" type=\"revolute\">",
              "<joint name=\"neck_pan\" type=\"prismatic\">", 0, "type \"prismatic\""},
-        Case{"moving_without_mass",
-             "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
-             "<link name=\"left_eye\"/>\n"
-             "  <joint name=\"waist\" type=\"revolute\"><limit lower=\"0\" upper=\"1\" "
-             "effort=\"1\" velocity=\"1\"/>",
-             0, "link `left_eye` moves but has no <inertial>"},
         Case{"not_wired", "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
              "<link name=\"left_eye\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
              "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n"
@@ -195,20 +182,6 @@ TEST(BadRobotFile, LacksAJointOfTheBoard) {
   ASSERT_FALSE(robot);
   EXPECT_NE(robot.error().message.find("robot has no joint `r_hand`"), std::string::npos)
       << robot.error().message;
-}
-
-// Another robot that happens to share a name with Kaz: the error says which, and what to do.
-TEST(BadRobotFile, SharesAJointNameWithKaz) {
-  const test::Folder folder;
-  std::string text = test::read_text("sim/robots/arm/arm.urdf");
-  const std::string own = "joint name=\"elbow\"";
-  ASSERT_NE(text.find(own), std::string::npos);
-  text.replace(text.find(own), own.size(), "joint name=\"l_elbow\"");
-  const auto robot = load_robot(folder.write("arm.urdf", text));
-  ASSERT_FALSE(robot);
-  for (const char* part :
-       {"robot has no joint `neck_pan`", "but has the joint `l_elbow` of Kaz", "rename `l_elbow`"})
-    EXPECT_NE(robot.error().message.find(part), std::string::npos) << robot.error().message;
 }
 
 // A robot file that somebody sends must not make the program read files elsewhere.

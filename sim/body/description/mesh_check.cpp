@@ -9,7 +9,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
+#include <string_view>
+#include <vector>
 
 namespace kaz::sim {
 namespace {
@@ -48,17 +49,54 @@ fs::path package_of(const fs::path& folder) {
   return folder;
 }
 
-bool is_in_named_folder(const fs::path& path) {
+// The folders of KAZ_MESH_PATH that exist, without symbolic links.
+std::vector<fs::path> named_folders() {
   const char* named = std::getenv("KAZ_MESH_PATH");
   std::string_view rest = named == nullptr ? "" : named;
+  std::vector<fs::path> folders;
   while (!rest.empty()) {
     const auto end = rest.find(':');
     std::error_code error;
     const fs::path folder = fs::canonical(rest.substr(0, end), error);
-    if (!error && is_inside(path, folder)) return true;
+    if (!error) folders.push_back(folder);
     rest = end == rest.npos ? "" : rest.substr(end + 1);
   }
-  return false;
+  return folders;
+}
+
+// The name in a package.xml, or that of its folder.
+std::string package_name(const fs::path& package) {
+  constexpr std::size_t kMaxPackageBytes = 1 << 20;
+  const auto text = read_whole_file((package / "package.xml").string(), kMaxPackageBytes);
+  const std::string open = "<name>", close = "</name>";
+  const auto begin = text ? text->find(open) : std::string::npos;
+  const auto end = begin == std::string::npos ? begin : text->find(close, begin);
+  if (end == std::string::npos) return package.filename().string();
+  return text->substr(begin + open.size(), end - begin - open.size());
+}
+
+// The path that `name` means, before links are resolved.
+Result<fs::path> meant_path(const fs::path& folder, const std::string& name) {
+  const auto scheme = name.find("://");
+  if (scheme == std::string::npos) return folder / name;
+  const std::string kind = name.substr(0, scheme), rest = name.substr(scheme + 3);
+  if (kind == "file") return fs::path(rest);
+  if (kind != "package" && kind != "model")
+    return fail(Fault::usage,
+                "has a URI of the unsupported kind " + kind +
+                    ":// ; copy the mesh beside the robot file, and give a relative path");
+  const std::string package = rest.substr(0, rest.find('/'));
+  const fs::path inside = rest.substr(std::min(rest.size(), package.size() + 1));
+  if (package.empty() || package_name(package_of(folder)) == package)
+    return (package.empty() ? folder : package_of(folder)) / inside;
+  for (const fs::path& named : named_folders()) {
+    if (named.filename() == package) return named / inside;
+    std::error_code ignored;
+    if (fs::is_directory(named / package, ignored)) return named / package / inside;
+  }
+  return fail(Fault::usage,
+              "is in the package `" + package +
+                  "`, which was not found: add the package's folder to KAZ_MESH_PATH");
 }
 
 }  // namespace
@@ -66,13 +104,20 @@ bool is_in_named_folder(const fs::path& path) {
 Result<std::string> mesh_path(const std::string& robot_path, const std::string& name) {
   std::error_code error;
   const fs::path folder = fs::canonical(fs::absolute(robot_path).parent_path(), error);
-  const fs::path path = fs::canonical(folder / name, error);
-  if (error) return (folder / name).string();
+  const fs::path meant = KAZ_TRY(meant_path(folder, name));
+  const fs::path path = fs::canonical(meant, error);
+  if (error) return meant.string();
   const fs::path package = package_of(folder);
-  if (is_inside(path, package) || is_in_named_folder(path)) return path.string();
+  const auto holds = [&path](const fs::path& named) { return is_inside(path, named); };
+  if (is_inside(path, package) || std::ranges::any_of(named_folders(), holds)) return path.string();
   return fail(Fault::usage, "is the file " + path.string() +
                                 ", which is outside of the robot's folder " + package.string() +
                                 ": copy the file there, or add its folder to KAZ_MESH_PATH");
+}
+
+bool mesh_exists(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
 }
 
 constexpr std::size_t kMaxMeshBytes = 256 << 20;
@@ -81,11 +126,15 @@ std::optional<std::string> mesh_error(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending != ".obj" && ending != ".stl") return "is neither .obj nor .stl";
+  if (ending != ".obj" && ending != ".stl" && ending != ".dae") return "is not .obj, .stl or .dae";
   const auto read = read_whole_file(path, kMaxMeshBytes);
   if (!read) return read.error().message.substr(path.size() + 2);
   const std::string& bytes = *read;
   if (ending == ".stl") return stl_error(bytes);
+  if (ending == ".dae")
+    return bytes.find("<COLLADA") == std::string::npos
+               ? std::optional<std::string>("is not COLLADA")
+               : std::nullopt;
   if (!starts_with_word(bytes, "v ") && bytes.find("\nv ") == std::string::npos)
     return "has no vertices";
   if (bytes.find("\nf ") == std::string::npos) return "has no faces";

@@ -19,6 +19,9 @@ struct MotorParams {
   double stiction_ratio = 1;        // ratio of breakaway torque to friction_nm
   double rotor_inertia_kgm2 = 0;
   double max_supply_v = 0;  // maximum output voltage of the driver
+  // Losses and limit of the joint, from the robot's file; motor files do not contain them.
+  double damping_nms_per_rad = 0;  // viscous friction, with and without power
+  double max_drive_nm = 1e3;       // maximum of the torque that the current produces
 
   double backlash_rad = 0;  // backlash: free travel between the gear's flanks
   // Heat capacities (J/K) and thermal resistances (K/W) of the model in winding_heat.h. If

@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/rigid_link.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
+
+#include "sim/body/description/convex_hull.h"
 
 namespace kaz::sim {
 namespace {
@@ -56,11 +61,44 @@ Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose) {
       half = turn.col(2).cwiseAbs() * shape.size.y() / 2;
       half.array() += shape.size.x();
       break;
+    case Shape::Kind::hull: {
+      Eigen::AlignedBox3d box;
+      for (std::size_t i = 0; i < shape.hull->size(); ++i) box.extend(pose * shape.hull->point(i));
+      return box;
+    }
     case Shape::Kind::plane:
     case Shape::Kind::mesh:
       return Eigen::AlignedBox3d();
   }
   return Eigen::AlignedBox3d(pose.translation() - half, pose.translation() + half);
+}
+
+bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m) {
+  const double radius = shape.size.x() - depth_m, around = p.head<2>().norm(),
+               along = std::abs(p.z()) - shape.size.y() / 2;
+  switch (shape.kind) {
+    case Shape::Kind::box:
+      return (p.cwiseAbs().array() < shape.size.array() / 2 - depth_m).all();
+    case Shape::Kind::sphere:
+      return p.norm() < radius;
+    case Shape::Kind::cylinder:
+      return around < radius && along < -depth_m;
+    case Shape::Kind::capsule:
+      return std::hypot(around, std::max(along, 0.0)) < radius;
+    case Shape::Kind::hull: {
+      const auto& planes = shape.hull->planes;
+      for (std::size_t i = 0; i < planes.size(); i += 4) {
+        if (Eigen::Vector3d(planes[i], planes[i + 1], planes[i + 2]).dot(p) >
+            planes[i + 3] - depth_m)
+          return false;
+      }
+      return true;
+    }
+    case Shape::Kind::plane:
+    case Shape::Kind::mesh:
+      break;
+  }
+  return false;
 }
 
 bool physical(double mass, const Eigen::Matrix3d& inertia) {

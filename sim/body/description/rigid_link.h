@@ -48,6 +48,10 @@ void weld(RigidLink& link, const RigidLink& part, const Eigen::Isometry3d& in_li
 // which `pose` is given. The box is empty for planes and meshes.
 Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 
+// Returns whether the point `p` (m, in the shape's frame) lies more than `depth_m` inside the shape. Always
+// false for planes and meshes.
+bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m);
+
 // Returns whether a mass and an inertia are physically possible. The mass and the principal moments of
 // inertia must be positive. No principal moment may exceed the sum of the other two moments by more than 1 %.
 // The tolerance of 1 % is for rounded numbers in files.

@@ -3,167 +3,300 @@
 #include "sim/body/description/robot_model.h"
 
 #include <algorithm>
-#include <exception>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
-
+#include "sim/body/description/convex_hull.h"
 #include "sim/body/description/mesh_check.h"
+#include "sim/body/description/mesh_file.h"
 #include "sim/body/description/urdf_check.h"
 
 namespace kaz::sim {
 namespace {
 
+using Element = tinyxml2::XMLElement;
+
 // Default softness, with which the gait was repeatable (static sinkage of 0.25 mm). Default friction: above
 // that of any floor, so that the floor's counts (the smaller mu of a pair).
 constexpr Surface kRobotSurface{.mu = 1.0, .softness = 5e-3};
+// A lighter link is a frame: exporters write such masses for links without a body.
+constexpr double kLightest = 1e-9;  // kg
 
-// check_urdf() accepts a joint of Kaz's table only together with the seventeen others.
-bool is_kaz(const std::vector<std::string>& joints) {
-  return std::find(joints.begin(), joints.end(), joint_names().front()) != joints.end();
+Eigen::Vector3d vector_of(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
 }
 
-Eigen::Vector3d vector_of(const urdf::Vector3& v) {
-  return {v.x, v.y, v.z};
+// Rotation by roll, pitch and yaw (rad) about the fixed axes x, y, z, in this order. As in urdfdom, by half
+// angles.
+Eigen::Quaterniond rotation_of(const std::vector<double>& rpy) {
+  const double r = rpy[0] / 2, p = rpy[1] / 2, y = rpy[2] / 2;
+  return Eigen::Quaterniond(
+             std::cos(r) * std::cos(p) * std::cos(y) + std::sin(r) * std::sin(p) * std::sin(y),
+             std::sin(r) * std::cos(p) * std::cos(y) - std::cos(r) * std::sin(p) * std::sin(y),
+             std::cos(r) * std::sin(p) * std::cos(y) + std::sin(r) * std::cos(p) * std::sin(y),
+             std::cos(r) * std::cos(p) * std::sin(y) - std::sin(r) * std::sin(p) * std::cos(y))
+      .normalized();
 }
 
-Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
+// The pose of <origin> in `parent`: translation xyz after the rotation rpy or quat_xyzw.
+Eigen::Isometry3d pose_of(const Element& parent) {
   Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  const urdf::Rotation& q = pose.rotation;
-  out.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  out.translation() = vector_of(pose.position);
+  const Element* origin = parent.FirstChildElement("origin");
+  if (origin == nullptr) return out;
+  if (const auto xyz = numbers_of(*origin, "xyz", 3); !xyz.empty())
+    out.translation() = vector_of(xyz);
+  if (const auto rpy = numbers_of(*origin, "rpy", 3); !rpy.empty())
+    out.linear() = rotation_of(rpy).normalized().toRotationMatrix();
+  if (const auto q = numbers_of(*origin, "quat_xyzw", 4); !q.empty())
+    out.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
   return out;
 }
 
-Shape shape_of(const urdf::Geometry& geometry, const std::string& robot_path) {
+Rgb color_of(const Element& material) {
+  const Element* color = material.FirstChildElement("color");
+  const auto rgba = color == nullptr ? std::vector<double>() : numbers_of(*color, "rgba", 4);
+  if (rgba.empty()) return {};
+  return {static_cast<float>(rgba[0]), static_cast<float>(rgba[1]), static_cast<float>(rgba[2])};
+}
+
+// The convex shape in place of a mesh, and its pose in the mesh's frame.
+std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d> points,
+                                                 MeshCollision wanted) {
   Shape shape;
-  switch (geometry.type) {
-    case urdf::Geometry::BOX:
-      shape.kind = Shape::Kind::box;
-      shape.size = vector_of(static_cast<const urdf::Box&>(geometry).dim);
-      break;
-    case urdf::Geometry::SPHERE:
-      shape.kind = Shape::Kind::sphere;
-      shape.size.x() = static_cast<const urdf::Sphere&>(geometry).radius;
-      break;
-    case urdf::Geometry::CYLINDER: {
-      const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-      shape.kind = Shape::Kind::cylinder;
-      shape.size = {cylinder.radius, cylinder.length, 0};
-      break;
-    }
-    case urdf::Geometry::MESH: {
-      const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
-      shape.kind = Shape::Kind::mesh;
-      shape.size = vector_of(mesh.scale);
-      shape.mesh_path =
-          mesh_path(robot_path, mesh.filename).value_or("");  // check_urdf() accepted it
-      break;
-    }
+  if (wanted == MeshCollision::capsule) {
+    const EnclosingCapsule capsule = enclosing_capsule(points);
+    shape.kind = Shape::Kind::capsule;
+    shape.size = {capsule.radius, capsule.length, 0};
+    return {shape, capsule.at};
   }
-  return shape;
+  if (wanted == MeshCollision::hull) {
+    shape.hull = convex_hull(points);
+    shape.kind = Shape::Kind::hull;
+    if (shape.hull) return {shape, Eigen::Isometry3d::Identity()};
+  }
+  const EnclosingBox box = enclosing_box(points);
+  shape.kind = Shape::Kind::box;
+  shape.size = box.lengths;
+  return {shape, box.at};
 }
 
 class Reader {
  public:
-  Reader(const urdf::ModelInterface& model, UrdfFacts facts, std::string path)
-      : model_(model),
-        joints_(std::move(facts.revolute)),
-        friction_(std::move(facts.friction)),
-        path_(std::move(path)) {}
+  Reader(const Urdf& urdf, const ReadOptions& options) : urdf_(urdf), options_(options) {}
 
   Result<RobotModel> read() {
-    robot_.name = model_.getName();
-    robot_.fixed_base = model_.getRoot()->name == kFixedRoot;
+    const char* name = urdf_.file.root().Attribute("name");
+    robot_.name = name == nullptr ? "robot" : name;
+    robot_.fixed_base = urdf_.root == kFixedRoot;
+    robot_.notes = urdf_.notes;
+    for (const Element* joint : urdf_.joints) {
+      children_[joint->FirstChildElement("parent")->Attribute("link")].push_back(joint);
+      if (urdf_.turns(*joint)) joints_.emplace_back(joint->Attribute("name"));
+    }
+    // The order of links does not depend on the order in the file.
+    for (auto& [parent, joints] : children_)
+      std::ranges::sort(joints, {},
+                        [](const Element* e) { return std::string(e->Attribute("name")); });
+    const auto& kaz = joint_names();
+    if (std::ranges::is_permutation(joints_, kaz)) joints_.assign(kaz.begin(), kaz.end());
     robot_.joints.resize(joints_.size());
-    KAZ_TRY(add(*model_.getRoot(), -1, -1, Eigen::Isometry3d::Identity()));
+    KAZ_TRY(add(urdf_.root, -1, -1, Eigen::Isometry3d::Identity()));
+    if (options_.body) KAZ_TRY(check_masses());
     return std::move(robot_);
   }
 
  private:
   // `at` is the link's pose in the root's frame at the zero posture.
-  Result<void> add(const urdf::Link& link, int parent, int joint, const Eigen::Isometry3d& at) {
+  Result<void> add(const std::string& link, int parent, int joint, const Eigen::Isometry3d& at) {
     const int index = static_cast<int>(robot_.links.size());
     auto rigid = KAZ_TRY(rigid_of(link));
-    robot_.links.push_back({rigid, parent, joint, at});
-    robot_.frames[link.name] = {index, Eigen::Isometry3d::Identity()};
+    robot_.links.push_back({std::move(rigid), parent, joint, at});
+    robot_.frames[link] = {index, Eigen::Isometry3d::Identity()};
     return add_children(link, index, Eigen::Isometry3d::Identity());
   }
 
   // `in_carrier`: pose of `link` in links[carrier]; that is another link if `link` is welded to it.
-  Result<void> add_children(const urdf::Link& link, int carrier,
+  Result<void> add_children(const std::string& link, int carrier,
                             const Eigen::Isometry3d& in_carrier) {
-    for (const auto& joint : link.child_joints) {
-      const Eigen::Isometry3d in_link =
-          in_carrier * pose_of(joint->parent_to_joint_origin_transform);
-      const urdf::Link& child = *model_.getLink(joint->child_link_name);
-      if (joint->type == urdf::Joint::FIXED) {
-        auto part = KAZ_TRY(rigid_of(child));
+    for (const Element* joint : children_[link]) {
+      const Eigen::Isometry3d in_link = in_carrier * pose_of(*joint);
+      const std::string child = joint->FirstChildElement("child")->Attribute("link");
+      if (!urdf_.turns(*joint)) {
+        const auto part = KAZ_TRY(rigid_of(child));
         weld(robot_.links[static_cast<std::size_t>(carrier)].rigid, part, in_link);
-        robot_.frames[child.name] = {carrier, in_link};
-        if (auto ok = add_children(child, carrier, in_link); !ok) return ok;
+        robot_.frames[child] = {carrier, in_link};
+        KAZ_TRY(add_children(child, carrier, in_link));
         continue;
       }
       const Eigen::Isometry3d at =
           robot_.links[static_cast<std::size_t>(carrier)].at_zero * in_link;
-      const auto number = std::find(joints_.begin(), joints_.end(), joint->name) - joints_.begin();
+      const auto number = std::ranges::find(joints_, joint->Attribute("name")) - joints_.begin();
       RobotJoint& out = robot_.joints[static_cast<std::size_t>(number)];
-      out.name = joint->name;
+      out = joint_of(*joint, at);
       out.child = static_cast<int>(robot_.links.size());
-      out.axis = at.linear() * vector_of(joint->axis).normalized();
-      out.lower = joint->limits->lower;
-      out.upper = joint->limits->upper;
-      if (auto ok = add(child, carrier, static_cast<int>(number), at); !ok) return ok;
+      KAZ_TRY(add(child, carrier, static_cast<int>(number), at));
     }
     return {};
   }
 
-  Result<RigidLink> rigid_of(const urdf::Link& link) {
+  static RobotJoint joint_of(const Element& joint, const Eigen::Isometry3d& at) {
+    constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+    RobotJoint out;
+    out.name = joint.Attribute("name");
+    const Element* axis = joint.FirstChildElement("axis");
+    const auto xyz = axis == nullptr ? std::vector<double>() : numbers_of(*axis, "xyz", 3);
+    out.axis = at.linear() * (xyz.empty() ? Eigen::Vector3d(Eigen::Vector3d::UnitX())
+                                          : vector_of(xyz).normalized());
+    const Element* limit = joint.FirstChildElement("limit");
+    const auto limit_of = [&](const char* name, double otherwise) {
+      return limit == nullptr ? otherwise : number_of(*limit, name, otherwise);
+    };
+    const bool continuous = joint.Attribute("type", "continuous") != nullptr;
+    out.lower = continuous ? -kNoLimit : limit_of("lower", 0);
+    out.upper = continuous ? kNoLimit : limit_of("upper", 0);
+    // Exporters write 0 for limits that nobody has stated.
+    const double velocity = limit_of("velocity", 0), effort = limit_of("effort", 0);
+    out.velocity = velocity > 0 ? velocity : kNoLimit;
+    out.effort = effort > 0 ? effort : kNoLimit;
+    if (const Element* dynamics = joint.FirstChildElement("dynamics")) {
+      out.damping = number_of(*dynamics, "damping", 0);
+      out.friction = number_of(*dynamics, "friction", 0);
+    }
+    return out;
+  }
+
+  Result<RigidLink> rigid_of(const std::string& name) {
     RigidLink rigid;
-    rigid.name = link.name;
-    if (link.inertial) {
-      const urdf::Inertial& in = *link.inertial;
-      const Eigen::Isometry3d origin = pose_of(in.origin);
-      Eigen::Matrix3d tensor;
-      tensor << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-      rigid.mass = in.mass;
-      rigid.com = origin.translation();
-      rigid.inertia = origin.linear() * tensor * origin.linear().transpose();
-    }
-    for (const auto& collision : link.collision_array) {
-      CollisionShape shape;
-      shape.in_link = pose_of(collision->origin);
-      shape.shape = shape_of(*collision->geometry, path_);
-      shape.surface = kRobotSurface;
-      if (const auto mu = friction_.find(link.name); mu != friction_.end())
-        shape.surface.mu = mu->second;
-      if (shape.shape.kind == Shape::Kind::mesh) {
-        return fail(Fault::usage, path_ + ": a collision of link `" + link.name +
-                                      "` is a mesh; use boxes, spheres and cylinders instead");
-      }
-      rigid.collisions.push_back(shape);
-    }
-    for (const auto& visual : link.visual_array) {
-      Visual look;
-      const std::string own =
-          visual->name.empty() ? std::to_string(rigid.visuals.size()) : visual->name;
-      look.name = link.name + "/" + own;
-      look.in_frame = pose_of(visual->origin);
-      look.shape = shape_of(*visual->geometry, path_);
-      if (visual->material) {
-        const urdf::Color& color = visual->material->color;
-        look.color = {color.r, color.g, color.b};
-      }
-      rigid.visuals.push_back(look);
-    }
+    rigid.name = name;
+    if (!options_.body) return rigid;
+    const Element& link = *urdf_.links.at(name);
+    if (const Element* inertial = link.FirstChildElement("inertial")) add_mass(*inertial, rigid);
+    for (const Element* e = link.FirstChildElement("collision"); e;
+         e = e->NextSiblingElement("collision"))
+      KAZ_TRY(add_collision(*e, rigid));
+    for (const Element* e = link.FirstChildElement("visual"); e;
+         e = e->NextSiblingElement("visual"))
+      add_visual(*e, rigid);
     return rigid;
   }
 
-  const urdf::ModelInterface& model_;
-  std::vector<std::string>
-      joints_;  // names of the revolute joints, in the order of RobotModel::joints
-  std::map<std::string, double> friction_;  // by link
-  std::string path_;
+  static void add_mass(const Element& inertial, RigidLink& rigid) {
+    const Element* mass = inertial.FirstChildElement("mass");
+    const Element* inertia = inertial.FirstChildElement("inertia");
+    const double value = mass == nullptr ? 0 : number_of(*mass, "value", 0);
+    if (value < kLightest) return;
+    const Eigen::Isometry3d origin = pose_of(inertial);
+    rigid.mass = value;
+    rigid.com = origin.translation();
+    if (inertia != nullptr)
+      rigid.inertia = origin.linear() * tensor_of(*inertia) * origin.linear().transpose();
+  }
+
+  // Shape of a visual or collision. A mesh that does not exist has none.
+  std::optional<Shape> shape_of(const Element& parent) const {
+    const Element* geometry = parent.FirstChildElement("geometry");
+    const Element* e = geometry == nullptr ? nullptr : geometry->FirstChildElement();
+    if (e == nullptr) return std::nullopt;
+    const std::string kind = e->Name();
+    Shape shape;
+    if (kind == "box") {
+      shape.kind = Shape::Kind::box;
+      shape.size = vector_of(numbers_of(*e, "size", 3));
+    } else if (kind == "mesh") {
+      shape.kind = Shape::Kind::mesh;
+      const auto scale = numbers_of(*e, "scale", 3);
+      shape.size = scale.empty() ? Eigen::Vector3d(Eigen::Vector3d::Ones()) : vector_of(scale);
+      // check_urdf() accepted the path
+      shape.mesh_path = mesh_path(urdf_.file.path(), e->Attribute("filename")).value_or("");
+      if (options_.skip_missing_meshes && !mesh_exists(shape.mesh_path)) return std::nullopt;
+    } else {
+      shape.kind = kind == "sphere"     ? Shape::Kind::sphere
+                   : kind == "cylinder" ? Shape::Kind::cylinder
+                                        : Shape::Kind::capsule;
+      shape.size = {number_of(*e, "radius", 0), number_of(*e, "length", 0), 0};
+    }
+    return shape;
+  }
+
+  Result<void> add_collision(const Element& e, RigidLink& rigid) const {
+    const auto found = shape_of(e);
+    if (!found) return {};
+    CollisionShape shape;
+    shape.in_link = pose_of(e);
+    shape.shape = *found;
+    shape.surface = kRobotSurface;
+    if (const auto mu = urdf_.friction.find(rigid.name); mu != urdf_.friction.end())
+      shape.surface.mu = mu->second;
+    if (found->kind == Shape::Kind::mesh) {
+      const auto mesh = read_mesh(found->mesh_path, found->size);
+      if (!mesh) return tl::unexpected(mesh.error());
+      const auto [around, at] = shape_around(mesh->corners, options_.mesh_collision);
+      shape.shape = around;
+      shape.in_link = shape.in_link * at;
+    }
+    rigid.collisions.push_back(std::move(shape));
+    return {};
+  }
+
+  void add_visual(const Element& e, RigidLink& rigid) const {
+    const auto shape = shape_of(e);
+    if (!shape) return;
+    Visual look;
+    const char* name = e.Attribute("name");
+    look.name = rigid.name + "/" +
+                (name == nullptr || *name == '\0' ? std::to_string(rigid.visuals.size())
+                                                  : std::string(name));
+    look.in_frame = pose_of(e);
+    look.shape = *shape;
+    if (const Element* material = e.FirstChildElement("material")) look.color = color(*material);
+    rigid.visuals.push_back(std::move(look));
+  }
+
+  // A material without a color is defined elsewhere in the file, under the same name.
+  Rgb color(const Element& material) const {
+    const char* name = material.Attribute("name");
+    if (material.FirstChildElement("color") != nullptr || name == nullptr)
+      return color_of(material);
+    for (const Element* e = urdf_.file.root().FirstChildElement("material"); e;
+         e = e->NextSiblingElement("material")) {
+      if (e->Attribute("name", name) != nullptr) return color_of(*e);
+    }
+    for (const auto& [link, element] : urdf_.links) {
+      for (const Element* e = element->FirstChildElement("visual"); e;
+           e = e->NextSiblingElement("visual")) {
+        const Element* own = e->FirstChildElement("material");
+        if (own != nullptr && own->Attribute("name", name) != nullptr &&
+            own->FirstChildElement("color") != nullptr)
+          return color_of(*own);
+      }
+    }
+    return {};
+  }
+
+  // Each part that can move, with all links that are fixed to it, needs a mass and an inertia.
+  Result<void> check_masses() const {
+    Objections objections(urdf_.file.path());
+    for (std::size_t i = robot_.fixed_base ? 1 : 0; i < robot_.links.size(); ++i) {
+      const RigidLink& rigid = robot_.links[i].rigid;
+      if (physical(rigid.mass, rigid.inertia)) continue;
+      objections.add(
+          urdf_.links.at(rigid.name)->GetLineNum(),
+          rigid.mass > 0
+              ? "link `" + rigid.name +
+                    "` moves but its inertia is zero; give the moments of inertia"
+              : "link `" + rigid.name + "` moves but has no mass; give an <inertial>" +
+                    (i == 0 ? ", or name the link `world` to fix the robot in place" : ""));
+    }
+    return objections.result();
+  }
+
+  const Urdf& urdf_;
+  const ReadOptions& options_;
+  std::map<std::string, std::vector<const Element*>>
+      children_;                     // joints, by the name of their parent
+  std::vector<std::string> joints_;  // names of turning joints, in the order of RobotModel::joints
   RobotModel robot_;
 };
 
@@ -197,20 +330,14 @@ Eigen::AlignedBox3d RobotModel::extent() const {
   return box;
 }
 
-Result<RobotModel> load_robot(const std::string& urdf_path) {
-  auto facts = KAZ_TRY(check_urdf(urdf_path));
-  // The bytes that were checked, in case the file changes meanwhile.
-  urdf::ModelInterfaceSharedPtr model;
-  try {
-    model = urdf::parseURDF(facts.text);
-  } catch (const std::exception&) {  // treated as a parse error
-  }
-  if (!model) {
-    return fail(Fault::usage, urdf_path + ": the URDF parser rejects it; see its message above");
-  }
-  const auto& kaz = joint_names();
-  if (is_kaz(facts.revolute)) facts.revolute.assign(kaz.begin(), kaz.end());
-  return Reader(*model, std::move(facts), urdf_path).read();
+bool RobotModel::is_kaz() const {
+  return std::ranges::equal(joints, joint_names(), {}, &RobotJoint::name);
+}
+
+Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options) {
+  const auto urdf = check_urdf(urdf_path, options);
+  if (!urdf) return tl::unexpected(urdf.error());
+  return Reader(*urdf, options).read();
 }
 
 }  // namespace kaz::sim

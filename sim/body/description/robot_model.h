@@ -14,6 +14,7 @@
 #include "shared/base/result.hpp"
 #include "shared/board/board.h"
 #include "sim/body/description/joint_names.h"
+#include "sim/body/description/reading.h"
 #include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim {
@@ -32,8 +33,13 @@ struct RobotJoint {
   int child = 0;  // index into RobotModel::links
   // Unit vector in the root link's frame, at the zero posture.
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
-  // Software limits of the angle, rad. The mechanical stops are beyond these limits (stop_margin.h).
+  // Software limits of the angle, rad; infinite for a joint without limits. The mechanical stops are beyond
+  // these limits (stop_margin.h).
   double lower = 0, upper = 0;
+  // Limits of speed (rad/s) and torque (Nm); infinite if the file states none.
+  double velocity = 0, effort = 0;
+  double damping = 0;   // viscous friction, Nm s/rad
+  double friction = 0;  // Coulomb friction, Nm
 };
 
 // Frame of a URDF link, fixed to a link of the model.
@@ -52,6 +58,9 @@ struct RobotModel {
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 
+  std::vector<FileNote> notes;  // elements of the file that are not used
+
+  bool is_kaz() const;                           // the joints are those of shared/board/joints.def
   double mass() const;                           // kg
   std::vector<std::string> joint_order() const;  // names, in the order of `joints`
   // Index of the link to which the frames `left_eye` and `right_eye` are fixed. -1: a frame is missing, or
@@ -62,7 +71,7 @@ struct RobotModel {
   Eigen::AlignedBox3d extent() const;
 };
 
-// Loads and checks a URDF. An error message names file and line.
-Result<RobotModel> load_robot(const std::string& urdf_path);
+// Loads and checks a URDF. The error names file and line of the first objection; its details are the others.
+Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options = {});
 
 }  // namespace kaz::sim

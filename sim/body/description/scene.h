@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,17 +11,20 @@
 
 namespace kaz::sim {
 
+struct ConvexHull;  // convex_hull.h
+
 struct Rgb {
   float r = 0.8f, g = 0.8f, b = 0.8f;  // 0..1, as in URDF and SDF
 };
 
 struct Shape {
-  enum class Kind { box, cylinder, sphere, capsule, plane, mesh };
+  enum class Kind { box, cylinder, sphere, capsule, plane, hull, mesh };
   Kind kind = Kind::box;
   // Dimensions in m. Box: full lengths along x, y, z. Cylinder: radius, length along z. Capsule: radius,
   // length along z without the caps. Sphere: radius. Plane: lengths along x and y; the normal of a plane is
-  // z. Mesh: scale factors without unit.
+  // z. Mesh: scale factors without unit. Hull: not used.
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  std::shared_ptr<const ConvexHull> hull = nullptr;  // hulls only, which occur only in collisions
   std::string mesh_path;  // meshes only: absolute path of an OBJ or STL file
 };
 

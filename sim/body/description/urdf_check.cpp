@@ -1,428 +1,466 @@
-// Validates a URDF before the parser reads it, which reports no line numbers.
+// Validates a URDF: elements and attributes, numbers, the tree of links.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/urdf_check.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
+#include <limits>
 #include <set>
-#include <vector>
 
+#include "sim/body/description/joint_names.h"
 #include "sim/body/description/mesh_check.h"
-#include "sim/body/description/robot_model.h"
-#include "sim/body/description/xml_file.h"
+#include "sim/body/description/rigid_link.h"
+#include "sim/body/description/urdf_schema.h"
 
 namespace kaz::sim {
 namespace {
 
 using Element = tinyxml2::XMLElement;
 
-// Allowed elements of a robot file, by parent. Those with an empty entry are leaves, or their children are
-// not checked.
-const std::map<std::string, std::set<std::string>> kChildren{
-    {"robot", {"link", "joint", "material", "transmission", "gazebo"}},
-    {"link", {"inertial", "visual", "collision"}},
-    {"inertial", {"origin", "mass", "inertia"}},
-    {"visual", {"origin", "geometry", "material"}},
-    {"collision", {"origin", "geometry"}},
-    {"geometry", {"box", "cylinder", "sphere", "mesh"}},
-    {"material", {"color"}},
-    {"joint", {"parent", "child", "origin", "axis", "limit"}},
-};
-
-// All others stand once where they stand.
-const std::set<std::string> kRepeated{"link",      "joint",  "material", "transmission",
-                                      "collision", "gazebo", "visual"};
-
-struct VectorAttribute {
+struct Numbers {
   const char* element;
   const char* attribute;
   std::size_t count;
   bool needed;
 };
-constexpr VectorAttribute kVectors[] = {
-    {"origin", "xyz", 3, false}, {"origin", "rpy", 3, false}, {"axis", "xyz", 3, true},
-    {"box", "size", 3, true},    {"color", "rgba", 4, true},  {"mesh", "scale", 3, false},
-};
-struct NumberAttribute {
-  const char* element;
-  const char* attribute;
-};
-constexpr NumberAttribute kNumbers[] = {
-    {"cylinder", "radius"}, {"cylinder", "length"}, {"sphere", "radius"}, {"mass", "value"},
-    {"inertia", "ixx"},     {"inertia", "iyy"},     {"inertia", "izz"},   {"inertia", "ixy"},
-    {"inertia", "ixz"},     {"inertia", "iyz"},     {"limit", "lower"},   {"limit", "upper"},
-    {"limit", "effort"},    {"limit", "velocity"},
+constexpr Numbers kNumbers[] = {
+    {"origin", "xyz", 3, false},        {"origin", "rpy", 3, false},
+    {"origin", "quat_xyzw", 4, false},  {"axis", "xyz", 3, true},
+    {"box", "size", 3, true},           {"color", "rgba", 4, true},
+    {"mesh", "scale", 3, false},        {"cylinder", "radius", 1, true},
+    {"cylinder", "length", 1, true},    {"capsule", "radius", 1, true},
+    {"capsule", "length", 1, true},     {"sphere", "radius", 1, true},
+    {"mass", "value", 1, true},         {"inertia", "ixx", 1, true},
+    {"inertia", "iyy", 1, true},        {"inertia", "izz", 1, true},
+    {"inertia", "ixy", 1, false},       {"inertia", "ixz", 1, false},
+    {"inertia", "iyz", 1, false},       {"limit", "lower", 1, false},
+    {"limit", "upper", 1, false},       {"limit", "effort", 1, false},
+    {"limit", "velocity", 1, false},    {"dynamics", "damping", 1, false},
+    {"dynamics", "friction", 1, false},
 };
 
 // Bounds against wrong units, such as millimetres for metres.
-constexpr double kLargest = 10;    // m
-constexpr double kHeaviest = 100;  // kg
-constexpr double kLightest = 1e-9;
+constexpr double kLargest = 10;           // m
+constexpr double kHeaviest = 100;         // kg
 constexpr double kLargestTurn = 100;      // rad
 constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest distance
-// Maximum depth: the tree is traversed recursively here, in the parser and in the dynamics.
+// Maximum depth: the tree is traversed recursively.
 constexpr std::size_t kMaxLinks = 500;
+constexpr std::size_t kMaxNotes = 10000;
+// A robot with this many of Kaz's 18 joint names is a Kaz, and must have all of them.
+constexpr std::ptrdiff_t kNamesOfKaz = 15;
+
+std::string format(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+std::string tag(const Element& e) {
+  return std::string("<") + e.Name() + ">";
+}
 
 class Check {
  public:
-  explicit Check(const XmlFile& file) : file_(file) {}
+  Check(Urdf& urdf, const ReadOptions& options)
+      : urdf_(urdf), options_(options), objections_(urdf.file.path()) {}
 
   Result<void> run() {
-    if (auto ok = elements(file_.root()); !ok) return ok;
-    if (auto ok = collect(); !ok) return ok;
-    for (const Element* joint : joints_) {
-      if (auto ok = check_joint(*joint); !ok) return ok;
+    walk(root(), "");
+    collect();
+    if (urdf_.links.size() > kMaxLinks) return objections_.result();
+    for (const Element* joint : urdf_.joints) check_joint(*joint);
+    // Errors that would only follow from a wrong joint are left out.
+    if (joints_sound_) {
+      check_tree();
+      check_names();
     }
-    if (auto ok = check_tree(); !ok) return ok;
-    for (const auto& [name, link] : links_) {
-      if (auto ok = check_link(name, *link); !ok) return ok;
+    surfaces();
+    if (options_.strict) {
+      for (const FileNote& note : urdf_.notes)
+        object(note.line, note.what + " is not used, which --strict does not permit; remove it");
     }
-    if (auto ok = surfaces(); !ok) return ok;
-    return check_table();
-  }
-
-  UrdfFacts facts() const {
-    UrdfFacts facts;
-    for (const Element* joint : joints_) {
-      if (is_revolute(*joint)) facts.revolute.emplace_back(joint->Attribute("name"));
-    }
-    facts.friction = friction_;
-    facts.text = file_.text();
-    return facts;
+    return objections_.result();
   }
 
  private:
-  Result<void> elements(const Element& parent) {
-    const std::string name = parent.Name();
-    KAZ_TRY(file_.check_name(parent));
-    if (auto ok = numbers(parent); !ok) return ok;
-    if (auto ok = sizes(parent); !ok) return ok;
-    const auto allowed = kChildren.find(name);
-    if (allowed == kChildren.end()) return {};
-    for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
-      if (name == "joint" && std::string(e->Name()) == "mimic") return mimic(*e);
-      if (!allowed->second.count(e->Name())) {
-        return file_.error(*e, std::string("unknown element <") + e->Name() + "> in <" + name +
-                                   ">; docs/reference/robot.md lists the supported elements");
-      }
-      if (const Element* again = e->NextSiblingElement(e->Name());
-          again != nullptr && !kRepeated.count(e->Name())) {
-        return file_.error(
-            *again, std::string("<") + e->Name() + "> occurs twice in <" + name + ">; remove one");
-      }
-      if (auto ok = elements(*e); !ok) return ok;
-    }
-    return {};
+  const Element& root() const { return urdf_.file.root(); }
+  void object(int line, const std::string& text) { objections_.add(line, text); }
+  void object(const Element& at, const std::string& text) { object(at.GetLineNum(), text); }
+  void note(const Element& at, const std::string& what) {
+    if (urdf_.notes.size() < kMaxNotes) urdf_.notes.push_back({at.GetLineNum(), what});
   }
+  // An element with a wrong number or a missing attribute: later checks leave it out.
+  void spoil(const Element& at, const std::string& text) {
+    object(at, text);
+    spoiled_.insert(&at);
+  }
+  bool sound(const Element* e) const { return e != nullptr && !spoiled_.contains(e); }
 
-  Result<void> numbers(const Element& e) {
+  // Elements and attributes of `e` and below. `parent`: name of the element that contains `e`.
+  void walk(const Element& e, const std::string& parent) {
     const std::string name = e.Name();
-    for (const VectorAttribute& v : kVectors) {
-      if (name != v.element) continue;
-      const char* text = e.Attribute(v.attribute);
-      if (text == nullptr && !v.needed) continue;
-      if (text == nullptr || !parse_numbers(text, v.count)) {
-        return file_.error(e, std::string("attribute `") + v.attribute + "` of <" + name +
-                                  "> must be " + std::to_string(v.count) + " numbers");
+    attributes(e, *urdf_element(parent, name));
+    if (const auto wrong = name_error(e)) object(e, *wrong);
+    numbers(e);
+    if (name == "gazebo") return;
+    for (const Element* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
+      if (!options_.body && skipped(name, child->Name())) continue;
+      if (const UrdfElement* known = takes(e, *child)) {
+        if (known->use == Use::used) walk(*child, name);
       }
     }
-    for (const NumberAttribute& n : kNumbers) {
-      if (name != n.element) continue;
-      KAZ_TRY(file_.number(e, n.attribute));
-    }
-    return {};
   }
 
-  // After numbers(): all of them are there.
-  Result<void> sizes(const Element& e) {
+  // Parts of links and joints that are not needed for their names and limits.
+  static bool skipped(const std::string& parent, const std::string& child) {
+    if (parent == "link" || parent == "material") return true;
+    return parent == "joint" && child != "parent" && child != "child" && child != "limit";
+  }
+
+  // Returns the entry of a child that may stand there, else adds an objection and returns null.
+  const UrdfElement* takes(const Element& e, const Element& child) {
+    const std::string parent = e.Name(), name = child.Name();
+    const UrdfElement* known = urdf_element(parent, name);
+    if (name.starts_with("xacro:")) {
+      object(child, tag(child) + " is not expanded; expand the file: xacro FILE > robot.urdf");
+      return nullptr;
+    }
+    if (known == nullptr && name.find(':') != name.npos) {
+      note(child, tag(child));
+      return nullptr;
+    }
+    if (known == nullptr) {
+      object(child, "unknown element " + tag(child) + " in " + tag(e) +
+                        "; docs/reference/robot.md lists the supported elements");
+      return nullptr;
+    }
+    if (known->use == Use::noted) note(child, tag(child));
+    if (known->use == Use::refused) {
+      object(child, tag(child) + " is not supported: " + std::string(known->remedy));
+      return nullptr;
+    }
+    if (!known->repeated && child.PreviousSiblingElement(child.Name()) != nullptr) {
+      object(child, tag(child) + " occurs twice in " + tag(e) + "; remove one");
+      return nullptr;
+    }
+    if (parent == "geometry" && child.PreviousSiblingElement() != nullptr) {
+      object(child, "<geometry> has more than one shape; use one <" +
+                        std::string(e.Parent()->ToElement()->Name()) + "> for each shape");
+      return nullptr;
+    }
+    return known;
+  }
+
+  void attributes(const Element& e, const UrdfElement& known) {
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
+      const std::string name = a->Name();
+      if (has_word(known.attributes, name) || name == "xmlns") continue;
+      const std::string what = "attribute `" + name + "` of " + tag(e);
+      if (has_word(known.noted, name))
+        note(e, what);
+      else if (name.find(':') == name.npos)
+        spoil(e, what + " is unknown; " + tag(e) + " accepts " +
+                     (known.attributes.empty() ? "no attributes" : std::string(known.attributes)));
+    }
+    if (e.Attribute("rpy") != nullptr && e.Attribute("quat_xyzw") != nullptr)
+      spoil(e, "<origin> has both rpy and quat_xyzw; remove one");
+  }
+
+  void numbers(const Element& e) {
+    const std::string name = e.Name();
+    for (const Numbers& n : kNumbers) {
+      if (name != n.element) continue;
+      const char* text = e.Attribute(n.attribute);
+      if (text == nullptr && !n.needed) continue;
+      if (text != nullptr && parse_numbers(text, n.count)) continue;
+      const std::string attribute = std::string("attribute `") + n.attribute + "` of " + tag(e);
+      if (text == nullptr)
+        spoil(e, tag(e) + " lacks the attribute `" + n.attribute + "`");
+      else if (n.count == 1)
+        spoil(e, attribute + " is \"" + text + "\", expected a number");
+      else
+        spoil(e, attribute + " must be " + std::to_string(n.count) + " numbers");
+    }
+    if (sound(&e)) sizes(e);
+    if (name == "mesh") mesh(e);
+  }
+
+  // After numbers(): all of them are valid.
+  void sizes(const Element& e) {
     const std::string name = e.Name();
     std::vector<double> lengths;
-    if (name == "box") lengths = *parse_numbers(e.Attribute("size"), 3);
-    if (name == "cylinder" || name == "sphere") lengths.push_back(e.DoubleAttribute("radius"));
-    if (name == "cylinder") lengths.push_back(e.DoubleAttribute("length"));
+    if (name == "box") lengths = numbers_of(e, "size", 3);
+    if (name == "cylinder" || name == "sphere" || name == "capsule")
+      lengths.push_back(e.DoubleAttribute("radius"));
+    if (name == "cylinder" || name == "capsule") lengths.push_back(e.DoubleAttribute("length"));
     for (const double length : lengths) {
       if (length > 0 && length <= kLargest) continue;
-      return file_.error(e, "<" + name + "> has a size of " + format(length) +
-                                " m; sizes are above 0 and at most 10 m");
+      return spoil(e, tag(e) + " has a size of " + format(length) +
+                          " m; sizes are above 0 and at most 10 m");
     }
-    if (name == "origin" && e.Attribute("xyz") != nullptr) {
-      const std::vector<double> places = *parse_numbers(e.Attribute("xyz"), 3);
-      for (const double place : places) {
-        if (std::abs(place) > kLargest)
-          return file_.error(e, "<origin> lies " + format(place) + " m away; the maximum is 10 m");
-      }
+    if (name == "origin") origin(e);
+    if (name == "inertia") inertia(e);
+    if (name == "mass") {
+      const double value = number_of(e, "value", 0);
+      if (value < 0) spoil(e, "a mass of " + format(value) + " kg; masses are not negative");
+      if (value > kHeaviest) spoil(e, "a mass of " + format(value) + " kg; the maximum is 100 kg");
     }
-    if (name == "origin" && e.Attribute("rpy") != nullptr) {
-      const std::vector<double> angles = *parse_numbers(e.Attribute("rpy"), 3);
-      for (const double angle : angles) {
-        if (std::abs(angle) > kLargestTurn)
-          return file_.error(e, "<origin> is turned by " + format(angle) +
-                                    " rad; angles are from -100 to 100 rad");
-      }
-    }
-    if (name == "inertia") {
-      for (const char* moment : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
-        if (std::abs(e.DoubleAttribute(moment)) > kLargestMoment)
-          return file_.error(e, std::string("<inertia> has ") + moment + " of " +
-                                    format(e.DoubleAttribute(moment)) +
-                                    " kg m2; moments are from -10000 to 10000 kg m2");
-      }
-    }
-    if (const double value = name == "mass" ? e.DoubleAttribute("value") : 0;
-        value > 0 && value < kLightest)
-      return file_.error(e, "a mass of " + format(value) + " kg; masses are from 1e-9 to 100 kg");
-    if (name == "mass" && e.DoubleAttribute("value") > kHeaviest) {
-      return file_.error(
-          e, "a mass of " + format(e.DoubleAttribute("value")) + " kg; the maximum is 100 kg");
-    }
-    return name == "mesh" ? mesh(e) : Result<void>();
   }
 
-  Result<void> mesh(const Element& e) {
-    const auto name = KAZ_TRY(file_.attribute(e, "filename"));
-    const auto path = mesh_path(file_.path(), name);
+  void origin(const Element& e) {
+    for (const double place : numbers_of(e, "xyz", 3)) {
+      if (std::abs(place) > kLargest)
+        return spoil(e, "<origin> lies " + format(place) + " m away; the maximum is 10 m");
+    }
+    for (const double angle : numbers_of(e, "rpy", 3)) {
+      if (std::abs(angle) > kLargestTurn)
+        return spoil(
+            e, "<origin> is turned by " + format(angle) + " rad; angles are from -100 to 100 rad");
+    }
+    if (const auto q = numbers_of(e, "quat_xyzw", 4);
+        !q.empty() &&
+        std::abs(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) - 1) > 0.01)
+      spoil(e, "quat_xyzw of <origin> is not a unit quaternion; divide it by its norm");
+  }
+
+  // A frame without mass may have zero inertia. The whole of each moving part is checked later.
+  void inertia(const Element& e) {
+    for (const char* moment : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
+      if (const double value = number_of(e, moment, 0); std::abs(value) > kLargestMoment)
+        return spoil(e, std::string("<inertia> has ") + moment + " of " + format(value) +
+                            " kg m2; moments are from -10000 to 10000 kg m2");
+    }
+    const Eigen::Matrix3d tensor = tensor_of(e);
+    const char* link = e.Parent()->Parent()->ToElement()->Attribute("name");
+    if (!tensor.isZero(0) && !physical(1, tensor))
+      spoil(e, "the inertia of link `" + std::string(link == nullptr ? "" : link) +
+                   "` is impossible: its principal moments must be above 0, and none of them may "
+                   "exceed the sum of the other two");
+  }
+
+  void mesh(const Element& e) {
+    const char* name = e.Attribute("filename");
+    if (name == nullptr) return spoil(e, "<mesh> lacks the attribute `filename`");
+    const auto path = mesh_path(urdf_.file.path(), name);
+    const std::string what = std::string("mesh `") + name + "`";
+    if (path && options_.skip_missing_meshes && !mesh_exists(*path)) return note(e, what);
     const auto error = path ? mesh_error(*path) : path.error().message;
-    if (error) return file_.error(e, "mesh `" + name + "` " + *error);
-    return {};
-  }
-
-  static std::string format(double value) {
-    std::string text(32, ' ');
-    text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%g", value)));
-    return text;
+    if (error) spoil(e, what + " " + *error);
   }
 
   // Friction of a link: <gazebo reference="link"><mu1>, as Gazebo reads it; the same in all directions.
-  Result<void> surfaces() {
-    for (auto* e = file_.root().FirstChildElement("gazebo"); e;
-         e = e->NextSiblingElement("gazebo")) {
+  void surfaces() {
+    for (auto* e = root().FirstChildElement("gazebo"); e; e = e->NextSiblingElement("gazebo")) {
       const Element *mu1 = e->FirstChildElement("mu1"), *mu2 = e->FirstChildElement("mu2");
-      if (mu1 == nullptr && mu2 == nullptr) continue;
-      const auto link = KAZ_TRY(file_.attribute(*e, "reference"));
-      if (!links_.count(link))
-        return file_.error(*e, "<gazebo> refers to link `" + link + "`, which does not exist");
-      double mu = -1;
-      for (const Element* element : {mu1, mu2}) {
-        if (element == nullptr) continue;
-        const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
-        if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
-          return file_.error(
-              *element, std::string("<") + element->Name() +
-                            "> must contain one number not below 0; mu1 and mu2 must be equal");
-        mu = value->front();
+      for (const Element* child = e->FirstChildElement(); child;
+           child = child->NextSiblingElement()) {
+        if (child != mu1 && child != mu2)
+          note(*child, "<gazebo><" + std::string(child->Name()) + ">");
       }
-      friction_[link] = mu;
+      if ((mu1 == nullptr && mu2 == nullptr) || !options_.body) continue;
+      const char* link = e->Attribute("reference");
+      if (link == nullptr || !urdf_.links.contains(link)) {
+        object(*e, "<gazebo> refers to link `" + std::string(link == nullptr ? "" : link) +
+                       "`, which does not exist");
+        continue;
+      }
+      friction(link, mu1, mu2);
     }
-    return {};
   }
 
-  Result<void> mimic(const Element& e) {
-    const auto target = KAZ_TRY(file_.attribute(e, "joint"));
-    for (auto* j = file_.root().FirstChildElement("joint"); j; j = j->NextSiblingElement("joint")) {
-      const char* name = j->Attribute("name");
-      if (name != nullptr && target == name) {
-        return file_.error(e, "<mimic> is not supported: each joint has its own motor; remove it");
-      }
+  void friction(const char* link, const Element* mu1, const Element* mu2) {
+    double mu = -1;
+    for (const Element* element : {mu1, mu2}) {
+      if (element == nullptr) continue;
+      const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
+      if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
+        return object(*element, tag(*element) +
+                                    " must contain one number not below 0; mu1 and mu2 "
+                                    "must be equal");
+      mu = value->front();
     }
-    return file_.error(e, "<mimic> refers to joint `" + target + "`, which does not exist");
+    urdf_.friction[link] = mu;
   }
 
-  Result<void> collect() {
-    for (auto* e = file_.root().FirstChildElement(); e; e = e->NextSiblingElement()) {
+  void collect() {
+    std::set<std::string> names;
+    for (auto* e = root().FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string kind = e->Name();
       if (kind != "link" && kind != "joint") continue;
-      const auto name = KAZ_TRY(file_.attribute(*e, "name"));
-      if (kind == "joint") {
-        if (!joint_by_name_.emplace(name, e).second) {
-          return file_.error(*e, "joint `" + name + "` is already defined above; rename it");
-        }
-        joints_.push_back(e);
-      } else if (!links_.emplace(name, e).second) {
-        return file_.error(*e, "link `" + name + "` is already defined above; rename it");
+      const char* name = e->Attribute("name");
+      if (name == nullptr) {
+        object(*e, tag(*e) + " lacks the attribute `name`");
+        continue;
       }
+      const bool fresh =
+          kind == "joint" ? names.insert(name).second : urdf_.links.emplace(name, e).second;
+      if (!fresh)
+        object(*e, kind + " `" + name + "` is already defined above; rename it");
+      else if (kind == "joint")
+        urdf_.joints.push_back(e);
     }
-    if (links_.empty()) return file_.error(file_.root(), "<robot> has no <link>");
-    if (links_.size() > kMaxLinks)
-      return file_.error(file_.root(),
-                         "<robot> has more than " + std::to_string(kMaxLinks) + " links");
-    return {};
+    if (urdf_.links.empty()) object(root(), "<robot> has no <link>");
+    if (urdf_.links.size() > kMaxLinks)
+      object(root(), "<robot> has more than " + std::to_string(kMaxLinks) + " links");
   }
 
-  Result<std::string> end_of(const Element& joint, const char* which) {
+  // The link that <parent> or <child> names; empty after an objection.
+  std::string end_of(const Element& joint, const char* which) {
     const Element* e = joint.FirstChildElement(which);
     const std::string name = joint.Attribute("name");
-    if (e == nullptr) return file_.error(joint, "joint `" + name + "` lacks <" + which + ">");
-    auto link = file_.attribute(*e, "link");
-    if (link && !links_.count(*link)) {
-      return file_.error(*e, std::string(which) + " link `" + *link + "` of joint `" + name +
-                                 "` does not exist; check the spelling");
+    if (e == nullptr) {
+      object(joint, "joint `" + name + "` lacks <" + which + ">");
+      return "";
     }
-    return link;
+    const char* link = e->Attribute("link");
+    if (link == nullptr) {
+      object(*e, tag(*e) + " lacks the attribute `link`");
+      return "";
+    }
+    if (urdf_.links.contains(link)) return link;
+    object(*e, std::string(which) + " link `" + link + "` of joint `" + name +
+                   "` does not exist; check the spelling");
+    return "";
   }
 
-  Result<void> check_joint(const Element& joint) {
+  void check_joint(const Element& joint) {
     const std::string name = joint.Attribute("name");
-    const auto type = KAZ_TRY(file_.attribute(joint, "type"));
-    if (type != "revolute" && type != "fixed") {
-      return file_.error(joint, "joint `" + name + "` has type \"" + type +
-                                    "\"; only revolute and fixed joints are supported");
+    const char* type = joint.Attribute("type");
+    if (type == nullptr) {
+      joints_sound_ = false;
+      return object(joint, "<joint> lacks the attribute `type`");
     }
-    const auto parent = KAZ_TRY(end_of(joint, "parent"));
-    const auto child = KAZ_TRY(end_of(joint, "child"));
-    if (const auto [it, fresh] = joint_to_.emplace(child, &joint); !fresh) {
-      return file_.error(joint, "link `" + child + "` is already the child of joint `" +
-                                    it->second->Attribute("name") + "`");
+    if (!urdf_.turns(joint) && std::string(type) != "fixed") {
+      joints_sound_ = false;
+      object(joint, "joint `" + name + "` has type \"" + type +
+                        "\"; the supported types are revolute, continuous and fixed");
     }
-    parent_of_[child] = parent;
-    if (type == "fixed") return {};
-
-    const Element* limit = joint.FirstChildElement("limit");
-    if (limit == nullptr) return file_.error(joint, "joint `" + name + "` lacks <limit>");
-    if (!(limit->DoubleAttribute("lower") < limit->DoubleAttribute("upper"))) {
-      return file_.error(*limit, "lower limit of joint `" + name + "` is not below the upper one");
-    }
-    // The mechanical stop is one degree beyond the limit, and must be within half a turn.
-    constexpr double kLargestLimit = 3.1;
-    for (const char* side : {"lower", "upper"}) {
-      if (std::abs(limit->DoubleAttribute(side)) > kLargestLimit)
-        return file_.error(*limit, std::string(side) + " limit of joint `" + name + "` is " +
-                                       limit->Attribute(side) +
-                                       " rad: its stop, 1 degree farther, must be within half a "
-                                       "turn; give -3.1 to 3.1 rad");
-    }
-    if (const Element* axis = joint.FirstChildElement("axis")) {
-      const auto xyz = parse_numbers(axis->Attribute("xyz"), 3);
-      if ((*xyz)[0] == 0 && (*xyz)[1] == 0 && (*xyz)[2] == 0) {
-        return file_.error(*axis, "axis of joint `" + name + "` is zero");
-      }
-    }
-    return {};
+    const std::string parent = end_of(joint, "parent"), child = end_of(joint, "child");
+    const bool fresh = !child.empty() && urdf_.joint_to.emplace(child, &joint).second;
+    if (!child.empty() && !fresh)
+      object(joint, "link `" + child + "` is already the child of joint `" +
+                        urdf_.joint_to.at(child)->Attribute("name") + "`");
+    joints_sound_ = joints_sound_ && fresh && !parent.empty();
+    if (fresh && !parent.empty()) parent_of_[child] = parent;
+    if (urdf_.turns(joint)) check_turning(joint, name, type);
   }
 
-  Result<void> check_tree() {
-    std::string root;
-    for (const auto& [name, link] : links_) {
-      if (parent_of_.count(name)) continue;
-      if (!root.empty()) {
-        return file_.error(*link, "links `" + root + "` and `" + name +
-                                      "` are both without a parent joint; a robot has one root");
-      }
-      root = name;
+  void check_turning(const Element& joint, const std::string& name, const std::string& type) {
+    const Element* limit = joint.FirstChildElement("limit");
+    if (type == "revolute" && limit == nullptr)
+      object(joint, "joint `" + name + "` lacks <limit>; give limits, or the type continuous");
+    if (type == "revolute" && sound(limit) &&
+        !(number_of(*limit, "lower", 0) < number_of(*limit, "upper", 0)))
+      object(*limit, "lower limit of joint `" + name +
+                         "` is not below the upper one; a joint that cannot turn is fixed");
+    for (const char* side : {"lower", "upper"}) {
+      if (sound(limit) && std::abs(number_of(*limit, side, 0)) > kLargestTurn)
+        object(*limit, std::string(side) + " limit of joint `" + name + "` is " +
+                           limit->Attribute(side) + " rad; limits are from -100 to 100 rad");
     }
-    for (const auto& [name, link] : links_) {
+    for (const char* least : {"effort", "velocity"}) {
+      if (sound(limit) && number_of(*limit, least, 0) < 0)
+        object(*limit, std::string(least) + " limit of joint `" + name + "` is negative");
+    }
+    const Element* dynamics = joint.FirstChildElement("dynamics");
+    for (const char* loss : {"damping", "friction"}) {
+      if (sound(dynamics) && number_of(*dynamics, loss, 0) < 0)
+        object(*dynamics, std::string(loss) + " of joint `" + name + "` is negative");
+    }
+    const Element* axis = joint.FirstChildElement("axis");
+    if (axis == nullptr || !sound(axis) || !options_.body) return;
+    const auto xyz = numbers_of(*axis, "xyz", 3);
+    if (xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0)
+      object(*axis, "axis of joint `" + name + "` is zero");
+  }
+
+  void check_tree() {
+    for (const auto& [name, link] : urdf_.links) {
+      if (parent_of_.contains(name) || urdf_.joint_to.contains(name)) continue;
+      if (!urdf_.root.empty()) {
+        object(*link, "links `" + urdf_.root + "` and `" + name +
+                          "` are both without a parent joint; a robot has one root");
+        continue;
+      }
+      urdf_.root = name;
+    }
+    for (const auto& [name, link] : urdf_.links) {
       std::string at = name;
-      for (std::size_t steps = 0; parent_of_.count(at); ++steps) {
-        if (steps > links_.size()) {
-          // `at` is on the loop. The error names the loop's first joint in the file.
-          const Element* first = joint_to_.at(at);
-          for (std::size_t i = 0; i < steps; ++i, at = parent_of_.at(at)) {
-            if (joint_to_.at(at)->GetLineNum() < first->GetLineNum()) first = joint_to_.at(at);
-          }
-          return file_.error(*first, std::string("joint `") + first->Attribute("name") +
-                                         "` closes a loop; links must form a tree");
-        }
+      for (std::size_t steps = 0; parent_of_.contains(at); ++steps) {
+        if (steps > urdf_.links.size()) return loop(at);
         at = parent_of_.at(at);
       }
     }
-    return {};
   }
 
-  Result<void> check_link(const std::string& name, const Element& link) {
-    const auto joint = joint_to_.find(name);
-    const bool welded =
-        joint != joint_to_.end() && std::string(joint->second->Attribute("type")) == "fixed";
-    const Element* inertial = link.FirstChildElement("inertial");
-    if (inertial == nullptr) {
-      const bool anchored = joint == joint_to_.end() && name == kFixedRoot;
-      if (welded || anchored) return {};
-      return file_.error(link, "link `" + name + "` moves but has no <inertial>");
+  // `at` is on a loop. The error names the loop's first joint in the file.
+  void loop(std::string at) {
+    const Element* first = urdf_.joint_to.at(at);
+    for (std::size_t i = 0; i <= urdf_.links.size(); ++i, at = parent_of_.at(at)) {
+      if (urdf_.joint_to.at(at)->GetLineNum() < first->GetLineNum()) first = urdf_.joint_to.at(at);
     }
-    const Element* mass = inertial->FirstChildElement("mass");
-    const Element* inertia = inertial->FirstChildElement("inertia");
-    if (mass == nullptr || inertia == nullptr) {
-      return file_.error(*inertial, "<inertial> of link `" + name + "` needs <mass> and <inertia>");
-    }
-    const auto of = [&](const char* a) { return inertia->DoubleAttribute(a); };
-    if (!(mass->DoubleAttribute("value") > 0)) {
-      return file_.error(*mass, "mass of link `" + name + "` is not above zero");
-    }
-    Eigen::Matrix3d tensor;
-    tensor << of("ixx"), of("ixy"), of("ixz"),  //
-        of("ixy"), of("iyy"), of("iyz"),        //
-        of("ixz"), of("iyz"), of("izz");
-    if (!physical(mass->DoubleAttribute("value"), tensor)) {
-      return file_.error(*inertia, "the inertia of link `" + name +
-                                       "` is impossible: its principal moments must be above 0, "
-                                       "and none of them may exceed the sum of the other two");
-    }
-    return {};
+    object(*first, std::string("joint `") + first->Attribute("name") +
+                       "` closes a loop; links must form a tree");
   }
 
-  // A robot with any joint of Kaz's table is a Kaz: it must have all of them and no others.
-  Result<void> check_table() {
-    const std::set<std::string> table(joint_names().begin(), joint_names().end());
-    const auto of_kaz = [&](const Element* joint) {
-      return is_revolute(*joint) && table.count(joint->Attribute("name")) > 0;
-    };
-    const auto shared = std::find_if(joints_.begin(), joints_.end(), of_kaz);
-    if (shared == joints_.end()) return some_joint();
-    for (const std::string& name : joint_names()) {
-      const auto joint = joint_by_name_.find(name);
-      if (joint == joint_by_name_.end()) {
-        return file_.error(file_.root(), missing_joint(name, (*shared)->Attribute("name")));
-      }
-      if (std::string(joint->second->Attribute("type")) != "revolute") {
-        return file_.error(*joint->second, "joint `" + name + "` has a motor and must be revolute");
-      }
+  // A Kaz must have all joints of the board's table, and no others.
+  void check_names() {
+    std::vector<std::string> turning;
+    for (const Element* joint : urdf_.joints) {
+      if (urdf_.turns(*joint)) turning.emplace_back(joint->Attribute("name"));
     }
-    for (const Element* joint : joints_) {
+    if (turning.empty())
+      return object(root(), "robot has no revolute joint; a robot needs at least one");
+    const auto& table = joint_names();
+    const auto shared = std::ranges::count_if(
+        table, [&](const std::string& name) { return std::ranges::count(turning, name) > 0; });
+    if (shared < kNamesOfKaz) return;
+    for (const std::string& name : table) {
+      if (std::ranges::count(turning, name) == 0)
+        object(root(), "robot has no joint `" + name + "`, but " + std::to_string(shared) +
+                           " other joints of Kaz; a Kaz has all joints of shared/board/joints.def: "
+                           "add the missing joint, or rename the others if the robot is not a Kaz");
+    }
+    for (const Element* joint : urdf_.joints) {
       const std::string name = joint->Attribute("name");
-      if (is_revolute(*joint) && !table.count(name)) {
-        return file_.error(*joint,
-                           "joint `" + name +
-                               "` is not a joint of the servo board (shared/board/joints.def): "
-                               "correct the joint's name, or make the joint fixed");
-      }
+      if (urdf_.turns(*joint) && std::ranges::count(table, name) == 0)
+        object(*joint, "joint `" + name +
+                           "` is not a joint of the servo board (shared/board/joints.def): correct "
+                           "the joint's name, or make the joint fixed");
     }
-    return {};
   }
 
-  // Whoever describes another robot does not look for a joint of Kaz: what made it one is named, too.
-  static std::string missing_joint(const std::string& name, const std::string& shared) {
-    return "robot has no joint `" + name + "`, but has the joint `" + shared +
-           "` of Kaz; a Kaz has all joints of shared/board/joints.def: add the missing joint, or "
-           "rename `" +
-           shared + "` if the robot is not a Kaz";
-  }
-
-  Result<void> some_joint() {
-    if (std::any_of(joints_.begin(), joints_.end(),
-                    [](const Element* j) { return is_revolute(*j); }))
-      return {};
-    return file_.error(file_.root(), "robot has no revolute joint; a robot needs at least one");
-  }
-
-  static bool is_revolute(const Element& joint) {
-    return std::string(joint.Attribute("type")) == "revolute";
-  }
-
-  const XmlFile& file_;
-  std::map<std::string, const Element*> links_, joint_by_name_, joint_to_;
-  std::vector<const Element*> joints_;  // in the order of the file
+  Urdf& urdf_;
+  const ReadOptions& options_;
+  Objections objections_;
+  std::set<const Element*> spoiled_;
   std::map<std::string, std::string> parent_of_;
-  std::map<std::string, double> friction_;
+  bool joints_sound_ = true;
 };
 
 }  // namespace
 
-Result<UrdfFacts> check_urdf(const std::string& path) {
-  const Result<XmlFile> file = XmlFile::load(path, "robot");
-  if (!file) return tl::unexpected(file.error());
-  Check check(*file);
-  KAZ_TRY(check.run());
-  return check.facts();
+bool Urdf::turns(const Element& joint) const {
+  const std::string type = joint.Attribute("type") == nullptr ? "" : joint.Attribute("type");
+  return type == "revolute" || type == "continuous";
+}
+
+Eigen::Matrix3d tensor_of(const Element& inertia) {
+  const auto of = [&](const char* moment) { return number_of(inertia, moment, 0); };
+  Eigen::Matrix3d tensor;
+  tensor << of("ixx"), of("ixy"), of("ixz"),  //
+      of("ixy"), of("iyy"), of("iyz"),        //
+      of("ixz"), of("iyz"), of("izz");
+  return tensor;
+}
+
+Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options) {
+  auto file = KAZ_TRY(XmlFile::load(path, "robot"));
+  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}};
+  KAZ_TRY(Check(urdf, options).run());
+  return urdf;
 }
 
 }  // namespace kaz::sim

@@ -1,4 +1,4 @@
-// Validates a URDF before urdfdom parses it, because urdfdom reports no line numbers.
+// Validates a URDF. All errors of the file are reported together, with their lines.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,21 +7,33 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
+#include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 
 // If the root link has this name, the root link is fixed in the world, at the robot's start pose.
 inline constexpr const char* kFixedRoot = "world";
 
-// Data from the URDF file that urdfdom does not return.
-struct UrdfFacts {
-  std::vector<std::string> revolute;  // joint names in file order
-  // Friction coefficient mu of each link that defines mu, by link name.
-  std::map<std::string, double> friction;
-  std::string text;  // the validated file contents, to be parsed by urdfdom
+// A valid URDF. The pointers refer to elements of `file`.
+struct Urdf {
+  XmlFile file;
+  std::map<std::string, const tinyxml2::XMLElement*> links;  // by name
+  std::vector<const tinyxml2::XMLElement*> joints;           // in the order of the file
+  std::map<std::string, const tinyxml2::XMLElement*>
+      joint_to;                            // joint by the name of its child link
+  std::string root;                        // name of the root link
+  std::map<std::string, double> friction;  // coefficient mu of each link that states one
+  std::vector<FileNote> notes;
+
+  bool turns(const tinyxml2::XMLElement& joint) const;  // revolute or continuous
 };
 
-// Checks the file against the URDF subset in docs/reference/robot.md. An error message names file and line.
-Result<UrdfFacts> check_urdf(const std::string& path);
+// The inertia tensor of an element <inertia>; missing moments are 0.
+Eigen::Matrix3d tensor_of(const tinyxml2::XMLElement& inertia);
+
+// Reads and checks the file against the URDF subset in docs/reference/robot.md (urdf_schema.h). With
+// ReadOptions::body == false, only names and limits are checked.
+Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options);
 
 }  // namespace kaz::sim

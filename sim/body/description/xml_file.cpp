@@ -11,11 +11,12 @@
 
 namespace kaz::sim {
 
-Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_name) {
+Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_name,
+                              std::size_t max_bytes) {
   XmlFile file;
   file.path_ = path;
   file.document_ = std::make_unique<tinyxml2::XMLDocument>();
-  file.text_ = KAZ_TRY(read_whole_file(path, kBytesMax));
+  file.text_ = KAZ_TRY(read_whole_file(path, max_bytes));
   KAZ_TRY(file.check_text());
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
@@ -106,16 +107,33 @@ Result<void> XmlFile::check_no_text(const tinyxml2::XMLElement& element) const {
 }
 
 Result<void> XmlFile::check_name(const tinyxml2::XMLElement& element) const {
+  const auto wrong = name_error(element);
+  return wrong ? error(element, *wrong) : Result<void>();
+}
+
+std::optional<std::string> name_error(const tinyxml2::XMLElement& element) {
+  constexpr std::size_t kNameMax = 200;
   const char* value = element.Attribute("name");
-  if (value == nullptr) return {};
+  if (value == nullptr) return std::nullopt;
   const std::string name = value;
   if (name.size() > kNameMax)
-    return error(element, std::string("the name of <") + element.Name() + "> has " +
-                              std::to_string(name.size()) + " bytes; names have at most " +
-                              std::to_string(kNameMax));
-  if (name.find_first_of("&<>\"'") == std::string::npos && one_line(name) == name) return {};
-  return error(element, "the name `" + one_line(name) + "` of <" + element.Name() +
-                            "> contains one of & < > \" ' or a control character; remove it");
+    return std::string("the name of <") + element.Name() + "> has " + std::to_string(name.size()) +
+           " bytes; names have at most " + std::to_string(kNameMax);
+  if (name.find_first_of("&<>\"'") == std::string::npos && one_line(name) == name)
+    return std::nullopt;
+  return "the name `" + one_line(name) + "` of <" + element.Name() +
+         "> contains one of & < > \" ' or a control character; remove it";
+}
+
+double number_of(const tinyxml2::XMLElement& element, const char* attribute, double otherwise) {
+  const auto numbers = numbers_of(element, attribute, 1);
+  return numbers.empty() ? otherwise : numbers.front();
+}
+
+std::vector<double> numbers_of(const tinyxml2::XMLElement& element, const char* attribute,
+                               std::size_t count) {
+  const char* text = element.Attribute(attribute);
+  return parse_numbers(text == nullptr ? "" : text, count).value_or(std::vector<double>());
 }
 
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count) {

@@ -16,10 +16,11 @@ namespace kaz::sim {
 
 class XmlFile {
  public:
-  // Reads and parses a file. Fails if the file cannot be read, exceeds 16 MiB, or is not well-formed XML in
-  // UTF-8. Also fails if the file has a document type declaration, or if the name of the root element is not
-  // `root_name`.
-  static Result<XmlFile> load(const std::string& path, const std::string& root_name);
+  // Reads and parses a file. Fails if the file cannot be read, exceeds `max_bytes`, or is not well-formed XML
+  // in UTF-8. Also fails if the file has a document type declaration, or if the name of the root element is
+  // not `root_name`.
+  static Result<XmlFile> load(const std::string& path, const std::string& root_name,
+                              std::size_t max_bytes = std::size_t{16} << 20);
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
@@ -35,8 +36,7 @@ class XmlFile {
   // Returns the value of a required attribute that must be one finite number.
   Result<double> number(const tinyxml2::XMLElement& element, const char* name) const;
 
-  // Checks the attribute `name`, if present. The value must have at most 200 bytes, no control characters,
-  // and none of the characters & < > " '. Reason: names are used in one-line messages, JSON and XML.
+  // Returns name_error() as an error with file and line.
   Result<void> check_name(const tinyxml2::XMLElement& element) const;
 
   // Returns an error if `element` contains text. Call this function for elements that may contain only child
@@ -47,13 +47,22 @@ class XmlFile {
   const std::string& text() const { return text_; }
 
  private:
-  static constexpr std::size_t kBytesMax = std::size_t{16} << 20;
-  static constexpr std::size_t kNameMax = 200;
   Result<void> check_text() const;
 
   std::string path_, text_;
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
+
+// Checks the attribute `name`, if present. The value must have at most 200 bytes, no control characters, and
+// none of the characters & < > " '. Reason: names are used in one-line messages, JSON and XML. Returns what
+// is wrong, or nullopt.
+std::optional<std::string> name_error(const tinyxml2::XMLElement& element);
+
+// Returns the number in an attribute, or `otherwise` if the attribute is missing or not one finite number.
+double number_of(const tinyxml2::XMLElement& element, const char* attribute, double otherwise);
+// Returns the `count` numbers in an attribute. Empty if the attribute is missing or contains something else.
+std::vector<double> numbers_of(const tinyxml2::XMLElement& element, const char* attribute,
+                               std::size_t count);
 
 // Parses exactly `count` finite numbers separated by whitespace. If the number of values in `text` is not
 // `count`, returns nullopt. If a value is not a finite number, also returns nullopt. The locale of the

@@ -37,15 +37,16 @@ double JointMotor::resistance_ohm() const {
 }
 
 // Motor line at the winding's temperature: the resistance ratio r = R(T) / R(T_air) divides both stall slope
-// and back-EMF, A = stall_slope / r V duty, K = back_emf / r + J / h (Nm, Nm s/rad).
+// and back-EMF, A = stall_slope / r V duty, K = back_emf / r + damping + J / h (Nm, Nm s/rad).
 void JointMotor::take_drive(const MotorDrive& drive, double supply_volts) {
   powered_ = drive.powered;
   state_.duty = powered_ && std::isfinite(drive.duty) ? std::clamp(drive.duty, -1.0, 1.0) : 0.0;
   volts_ = std::clamp(supply_volts, 0.0, params_->max_supply_v);
   const double ratio = heat_.resistance_ratio();
-  drive_torque_ = params_->stall_slope_nm_per_v / ratio * volts_ * state_.duty;
+  drive_torque_ = std::clamp(params_->stall_slope_nm_per_v / ratio * volts_ * state_.duty,
+                             -params_->max_drive_nm, params_->max_drive_nm);
   stiffness_ = (powered_ ? params_->back_emf_nms_per_rad / ratio : 0.0) +
-               params_->rotor_inertia_kgm2 / step_s_;
+               params_->damping_nms_per_rad + params_->rotor_inertia_kgm2 / step_s_;
   jammed_ = drive.jammed;
   max_ = jammed_ ? kMaxTorque : std::clamp(drive.slip_nm, 0.0, kMaxTorque);
   slipping_ = max_ < kMaxTorque;

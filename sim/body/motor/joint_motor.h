@@ -5,12 +5,13 @@
 // rotor and joint is the backlash b; the potentiometer measures the joint's angle. In each step of h seconds,
 // the implicit Euler method computes the rotor's new speed u_new:
 //
-//   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + J/h
+//   u_new = u_free - T / K,  u_free = (A -+ friction + J/h u) / K,  K = B + D + J/h
 //
-// A is the drive torque in Nm: A = stall_slope V duty / r. B is the back-EMF constant in Nm s/rad:
-// B = back_emf / r. While the bridge is open, B = 0. V is the supply voltage. The ratio r is the winding's
-// present resistance divided by the winding's resistance at air temperature. J is the rotor's inertia, h is
-// the step size in s, and T is the torque on the joint.
+// A is the drive torque in Nm: A = stall_slope V duty / r, at most the joint's effort limit. B is the
+// back-EMF constant in Nm s/rad: B = back_emf / r. While the bridge is open, B = 0. D is the joint's damping
+// in Nm s/rad. V is the supply voltage. The ratio r is the winding's present resistance divided by the
+// winding's resistance at air temperature. J is the rotor's inertia, h is the step size in s, and T is the
+// torque on the joint.
 //
 // At the end of a step the flanks do not overlap. Consider the flank that pushes forward. The gap between
 // rotor and flank is d, and d is never negative. The joint's speed after the step is w_new. Two inequalities

@@ -7,6 +7,23 @@
 #include <cstdio>
 
 namespace kaz::sim {
+namespace {
+
+// The motor of each joint, with the joint's own friction, damping and effort limit.
+std::vector<JointMotor> motors_of(const RobotModel& robot, const MotorParams& motor,
+                                  double step_s) {
+  std::vector<JointMotor> motors;
+  for (const RobotJoint& joint : robot.joints) {
+    MotorParams own = motor;
+    own.friction_nm += joint.friction;
+    own.damping_nms_per_rad += joint.damping;
+    own.max_drive_nm = std::min(own.max_drive_nm, joint.effort);
+    motors.emplace_back(own, step_s);
+  }
+  return motors;
+}
+
+}  // namespace
 
 StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
                          const WorldOptions& options)
@@ -17,7 +34,7 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const
       robot_links_(robot.links.size()),
       kicks_left_(model_->kicks.size()),
       pushes_left_(model_->pushes.size()),
-      motors_(robot.joints.size(), JointMotor(motor, options.step_s)),
+      motors_(motors_of(robot, motor, options.step_s)),
       rows_(robot.joints.size()),
       joint_states_(robot.joints.size()),
       link_forces_(robot.links.size()) {

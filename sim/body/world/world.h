@@ -16,6 +16,7 @@
 
 #include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
 #include "sim/body/description/scene.h"
 #include "sim/body/motor/motor_drive.h"
 #include "sim/body/world/loads.h"
@@ -68,10 +69,11 @@ struct SolverDiagnostics {
 struct WorldOptions {
   std::uint64_t seed = 1;
   double step_s = 0.001;  // step size, s; above 0, at most 0.01
-  // Name of the dynamics engine: "reduced", or for ODE "exact" or "quickN" with N from 1 to 1000.
+  // Dynamics engine: "reduced" is ours; "exact" and "quickN" (N: 1 to 1000 iterations) are ODE's.
   std::string dynamics = "reduced";
   // True: suspended robot; the root link is fixed and the feet do not touch the ground.
   bool hung = false;
+  ReadOptions reading = {};  // how World::load() reads the robot's file
   // Name of a motor in motor.xml, which is in the folder of the URDF file. "": the default motor of
   // motor.xml.
   std::string motor = "";

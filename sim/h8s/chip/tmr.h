@@ -50,7 +50,7 @@ class Tmr {
   bool cascaded(unsigned n) const { return timer_[n].clock_select() == 4; }
   void step(Machine& m, unsigned n, std::int64_t counts, States at);
   void step_pair(Machine& m, std::int64_t counts, States at);
-  // Applies the effects that compare match A of TMR0 has on the A/D converter and on TMR1.
+  // Called at compare match A of TMR0. Triggers the A/D converter and clocks TMR1, if they are set up for it.
   void matched_a0(Machine& m, States at);
   void advance_one(Machine& m, unsigned n, States to);
   void update(Machine& m, unsigned n, States at);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/render/model/mesh.h"
 
+#include "sim/body/description/mesh_file.h"
+
 namespace kaz::sim {
 
 namespace {
@@ -27,13 +29,24 @@ void Mesh::quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t
   indices.insert(indices.end(), {a, b, c, a, c, d});
 }
 
+Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
+  const auto triangles = KAZ_TRY(read_mesh(path, scale));
+  Mesh mesh;
+  for (std::size_t i = 0; i < triangles.corners.size(); ++i) {
+    const Eigen::Vector3d& p = triangles.corners[i];
+    mesh.indices.push_back(mesh.add(p, triangles.normals[i], p.x(), p.y()));
+  }
+  return mesh;
+}
+
 Result<Mesh> make_mesh(const Shape& shape, Detail detail) {
   const Eigen::Vector3d& s = shape.size;
   const int numbers = shape.kind == Shape::Kind::sphere                                   ? 1
                       : shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::mesh ? 3
                                                                                           : 2;
   for (int i = 0; i < numbers; ++i) {
-    if (s[i] > 0 && s[i] < 1e4) continue;
+    const double size = shape.kind == Shape::Kind::mesh ? std::abs(s[i]) : s[i];
+    if (size > 0 && size < 1e4) continue;
     return fail(Fault::usage,
                 "each size of the shape must be positive and below 10 km: correct the file");
   }
@@ -50,6 +63,8 @@ Result<Mesh> make_mesh(const Shape& shape, Detail detail) {
       return plane_mesh(s.x(), s.y());
     case Shape::Kind::mesh:
       return load_mesh(shape.mesh_path, s);
+    case Shape::Kind::hull:  // only collides
+      break;
   }
   return fail(Fault::usage, "a visual has a shape of unknown kind");
 }

@@ -47,8 +47,7 @@ Mesh capsule_mesh(double radius, double length, Detail detail = Detail::fine);
 Mesh sphere_mesh(double radius, Detail detail = Detail::fine);
 // Makes a plane with normal +z, centered at the origin.
 Mesh plane_mesh(double length_x, double length_y);
-// Reads OBJ (v, vn, f with any polygon) or STL (text or binary). The extension of the path selects the
-// format. Returns Fault::usage if the file is missing or invalid.
+// Reads a mesh file (read_mesh() in sim/body/description/mesh_file.h).
 Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale);
 
 // Makes the mesh of a shape. Returns Fault::usage if a length or radius is not positive, or if a mesh file

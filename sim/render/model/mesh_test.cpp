@@ -173,7 +173,7 @@ TEST_F(MeshFile, RefusesDamagedFiles) {
            {"word.obj", "v 0 zero 0\n"},
            {"far.obj", "v 0 0 0\nf 1 2 3\n"},
            {"flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"},
-           {"kind.dae", "<COLLADA/>"}}) {
+           {"scene.dae", "<COLLADA/>"}, {"kind.ply", "ply"}}) {
     const std::string path = write(name, bytes);
     const Result<Mesh> mesh = load_mesh(path, {1, 1, 1});
     ASSERT_FALSE(mesh) << name;

@@ -56,6 +56,7 @@ std::optional<Marker> marker_of(const Visual& visual) {
       marker.scale = {std::clamp(size.x(), 0.1, 10.0), std::clamp(size.y(), 0.1, 10.0), 1e-4};
       marker.at.translation() -= marker.at.linear() * Eigen::Vector3d(0, 0, 1e-3);
       return marker;
+    case Shape::Kind::hull:
     case Shape::Kind::mesh:
       break;
   }
@@ -124,9 +125,8 @@ std::vector<Marker> markers_of(std::span<const ContactPoint> contacts) {
     marker.id = static_cast<std::uint32_t>(markers.size() - 1);
     marker.type = Marker::arrow;
     marker.at.translation() = contact.at;
-    marker.at.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), contact.force)
-            .toRotationMatrix();
+    marker.at.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), contact.force)
+                             .toRotationMatrix();
     marker.scale = {std::min(kLongest_m, kMetresPerNewton * newtons), 0.003, 0.006};
     marker.color = {0.90f, 0.62f, 0.0f};
   }

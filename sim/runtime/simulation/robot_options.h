@@ -15,6 +15,7 @@
 #include <string>
 
 #include "sim/board/sensor_file.h"
+#include "sim/body/description/reading.h"
 #include "sim/mcu/mcu_kind.h"
 #include "sim/render/renderer_kind.h"
 #include "sim/runtime/eyes/eye_kind.h"
@@ -56,6 +57,8 @@ struct RobotOptions {
   // True: the robot is suspended. The root link is fixed, and the feet do not touch the ground
   // (WorldOptions::hung).
   bool suspended = false;
+  // How the robot's file is read. Only mesh_collision and skip_missing_meshes are options.
+  ReadOptions reading;
 
   // Copies the options that determine the eyes' pictures.
   void copy_eyes(const RobotOptions& from) {
@@ -124,6 +127,20 @@ struct RobotOptions {
   void visit_seed(A&& archive) {
     archive({"seed", "--seed", "seed of all noise; the same seed gives identical results", "N"},
             seed);
+  }
+  template <class A>
+  void visit_meshes(A&& archive) {
+    archive({.name = "mesh_collision",
+             .option = "--mesh-collision",
+             .help = "shape that replaces a mesh in collisions: its convex hull, or the box or "
+                     "capsule around it",
+             .optional = true},
+            reading.mesh_collision, kMeshCollisions);
+    archive({.name = "skip_missing_meshes",
+             .option = "--skip-missing-meshes",
+             .help = "leave out meshes of the robot's file that do not exist",
+             .optional = true},
+            reading.skip_missing_meshes);
   }
   template <class A>
   void visit_suspended(A&& archive) {

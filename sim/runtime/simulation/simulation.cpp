@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -29,16 +30,11 @@ Eyes::Mounting eye_mounting(const World& world) {
           head_from_world * world.link_pose("right_eye"), world.scene().light};
 }
 
-// Channel of the servo board for each joint: by its name in joints.def; for robots other than Kaz the n-th
-// joint has the n-th channel.
+// Channel of the servo board for each joint: the n-th joint has the n-th channel. Kaz's joints are in the
+// order of joints.def.
 std::vector<std::size_t> channels_of(const World& world) {
-  const auto& board = joint_names();
-  std::vector<std::size_t> channels;
-  for (const std::string& joint : world.joint_order()) {
-    const auto named = std::find(board.begin(), board.end(), joint);
-    channels.push_back(named != board.end() ? static_cast<std::size_t>(named - board.begin())
-                                            : channels.size());
-  }
+  std::vector<std::size_t> channels(world.joint_order().size());
+  std::iota(channels.begin(), channels.end(), std::size_t{0});
   return channels;
 }
 
@@ -52,12 +48,11 @@ std::string range_text(double min, double max) {
 
 // The firmware enforces the limits of its channels: another robot's joints must not exceed them.
 Result<void> check_limits(const std::string& robot_path) {
-  const auto robot = KAZ_TRY(load_robot(robot_path));
-  const auto& board = joint_names();
+  const auto robot = KAZ_TRY(load_robot(robot_path, {.body = false}));
+  if (robot.is_kaz()) return {};
   const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot.joints.size());
   for (std::size_t j = 0; j < count; ++j) {
     const RobotJoint& joint = robot.joints[j];
-    if (std::ranges::find(board, joint.name) != board.end()) continue;
     const double min_rad = 1e-4 * kz_board_joints[j].lower,
                  max_rad = 1e-4 * kz_board_joints[j].upper;
     if (joint.lower >= min_rad - kLimitRounding && joint.upper <= max_rad + kLimitRounding)
@@ -74,7 +69,7 @@ Result<void> check_limits(const std::string& robot_path) {
                 robot_path + ": joint `" + joint.name + "`: limits " +
                     range_text(joint.lower, joint.upper) + " rad: must be within " +
                     range_text(min_rad, max_rad) + ", the limits of channel " + std::to_string(j) +
-                    " of the servo board (Kaz's " + board[j] +
+                    " of the servo board (Kaz's " + joint_names()[j] +
                     "); make the joint's limits narrower, or move the joint in the file: the first "
                     "joint has channel 0, the second joint has channel 1");
   }
@@ -108,6 +103,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   world_options.dynamics = options.dynamics;
   world_options.step_s = options.physics_step_ms / 1000;
   world_options.hung = options.suspended;
+  world_options.reading = options.reading;
   auto world = KAZ_TRY(World::load(options.world_path, options.robot_path, world_options));
   KAZ_TRY(check_limits(options.robot_path));
   Result<CameraFile> camera;
@@ -311,7 +307,7 @@ void Simulation::record_transforms() {
 // The robot as viewers draw it. A motor stand has none.
 Result<void> Simulation::describe_robot() {
   if (world_->link_order().empty() || options_.robot_path.empty()) return {};
-  const auto robot = KAZ_TRY(load_robot(options_.robot_path));
+  const auto robot = KAZ_TRY(load_robot(options_.robot_path, {.body = false}));
   robot_frames_.clear();
   for (const auto& [name, frame] : robot.frames) robot_frames_.push_back(name);
   recorder_->description(now_, KAZ_TRY(read_whole_file(options_.robot_path, 16 << 20)));

@@ -56,7 +56,7 @@ const char* name_of(RendererKind renderer, const RendererFactory& make_renderer)
 std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOptions& options,
                                                           const World& world) {
   const auto& [mcu, sensors, imu, dynamics, physics_step_ms, eyes, eye_width, renderer,
-               supply_volts, seed, suspended] = static_cast<const RobotOptions&>(options);
+               supply_volts, seed, suspended, reading] = static_cast<const RobotOptions&>(options);
   const auto& [image_path, world_path, robot_path, camera_path, sensor_params, supply_ohms, frames,
                faults, recording_path, tap, hands, record_pictures, recording_facts, make_renderer,
                drawing, detour_every] = static_cast<const SimulationSetup&>(options);
@@ -90,6 +90,9 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
       {"image_sha256", digest_of(image_path)},
       {"faults", faults.text()}};
   if (suspended) facts.emplace_back("suspended", "true");
+  if (reading.mesh_collision != MeshCollision::hull)
+    facts.emplace_back("mesh_collision", to_string(reading.mesh_collision));
+  if (reading.skip_missing_meshes) facts.emplace_back("skip_missing_meshes", "true");
   return facts;
 }
 

@@ -32,7 +32,7 @@ using Steady = std::chrono::steady_clock;
 
 // The names in verbs.def.
 constexpr const char* kVerbs[] = {
-#define KAZ_VERB(name) #name,
+#define KAZ_VERB(name, folder) #name,
 #include "tools/cli/verbs.def"
 #undef KAZ_VERB
 };
@@ -43,6 +43,7 @@ const std::map<std::string, std::vector<std::string>>& at_once() {
       {"can_bridge", {"can-bridge", "--help"}},  // needs a CAN interface; in the guest machine
       {"compare", {"compare", "--help"}},
       {"doctor", {"doctor", "--help"}},
+      {"robot", {"robot", "--help"}},
       {"shell", {"man"}}};
   return all;
 }

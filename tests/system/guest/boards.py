@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
 
-from robot_guest import (AWAIT_USB, ISOTP, PATIENCE_S, UART, USB_MODULES, Guest, Link, Robot, bridge, can_bus,
+from robot_guest import (AWAIT_USB, ISOTP, UART, USB_MODULES, Guest, Link, Robot, bridge, can_bus,
                          can_up, usb_adapter)
 
 UPPER = ["neck_pan", "neck_tilt", "l_sh_pitch", "l_sh_roll", "l_elbow", "l_hand", "r_sh_pitch", "r_sh_roll",
@@ -30,7 +30,7 @@ def conformance(options, guest, folder, address, short):
     only = f" --filter '{SHORT}'" if short else ""
     code, printed = guest.run(f"{options.kaz} conformance --robot can:can0 --address {address} --allow-motion"
                               f"{only} --json /mnt/{name}.json >/mnt/{name}.txt 2>&1; e=$?; "
-                              f"tail -n 3 /mnt/{name}.txt; exit $e", PATIENCE_S, check=False)
+                              f"tail -n 3 /mnt/{name}.txt; exit $e", check=False)
     if not (folder / f"{name}.json").exists():
         return [], [f"conformance of board {address}: {printed}"]
     report = json.loads((folder / f"{name}.json").read_text())
@@ -63,7 +63,7 @@ def two_boards(options, short):
           Robot(options.kaz, folder / "lower", world, eyes=False) as lower,
           Guest(options, folder, [upper, lower], BUS) as guest):
         code, printed = guest.run(f"{options.kaz} run stand --robot boards:/mnt/boards.json --json"
-                                  " 2>/mnt/stand.txt", PATIENCE_S, check=False)
+                                  " 2>/mnt/stand.txt", check=False)
         both = [robot.printed().count("motors on") for robot in (upper, lower)]
         lines.append(f"stand by two boards on one CAN bus: ended with {code}; motors on: {both[0]} and "
                      f"{both[1]} times")
@@ -72,7 +72,7 @@ def two_boards(options, short):
         for address, away in ((1, 2), (2, 1)):
             guest.run(f"kill $(cat /mnt/bridge{away}.pid)")
             if address == 2:
-                guest.run(bridge(*PORTS[2], 2).format(kaz=options.kaz), PATIENCE_S)
+                guest.run(bridge(*PORTS[2], 2).format(kaz=options.kaz))
             found, faults = conformance(options, guest, folder, address, short)
             lines += found
             wrong += faults

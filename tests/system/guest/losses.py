@@ -4,7 +4,7 @@ import re
 import time
 
 import machine
-from robot_guest import (ADAPTER, PATIENCE_S, can_up, in_guest, link_of, result_of)
+from robot_guest import (ADAPTER, can_up, in_guest, link_of, result_of)
 
 WATCHDOG_MS = 100  # at most, from the last byte that the board has heard
 HEAD = ("| track-ball, meanwhile | over | the board is to | times | reaction after at most, ms | "
@@ -39,7 +39,7 @@ REACTIONS = {"hold": r"(\d+) ms after the host's last byte, the link watchdog be
              "limp": r"motors off at .*? no request came for too long, (\d+) ms after the host's last byte"}
 
 
-def await_true(what, true, patience_s=600):
+def await_true(what, true, patience_s=1500):
     end = time.monotonic() + patience_s
     while not true():
         if time.monotonic() > end:
@@ -49,7 +49,7 @@ def await_true(what, true, patience_s=600):
 
 def doctor(options, guest):
     """Findings of `kaz doctor` in the machine, as (subject, text)."""
-    _, text = guest.run(f"{options.kaz} doctor --json", PATIENCE_S, check=False)
+    _, text = guest.run(f"{options.kaz} doctor --json", check=False)
     return [(one.get("subject"), one["text"]) for one in result_of(text).get("findings", [])]
 
 

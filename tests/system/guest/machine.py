@@ -27,6 +27,7 @@ FAMILIES = ("drivers/media/", "drivers/usb/", "drivers/net/can/", "net/can/", "d
             "fs/9p/", "fs/netfs/", "fs/fscache/", "drivers/char/", "drivers/input/", "drivers/hid/",
             "crypto/", "lib/", "drivers/base/")
 LOOPBACK = "v4l2loopback"
+PATIENCE_S = 1500  # ends a hang, also of a busy machine
 
 
 def die_with_parent():
@@ -195,7 +196,7 @@ class Machine:
     """Started by its constructor; commands run in its root, one after the other. `out`: the folder that it
     may write, at /mnt there. `devices`: further arguments of QEMU, `files`: descriptors that they name."""
 
-    def __init__(self, init, kernel_folder, out, modules=(), devices=(), patience_s=60, files=()):
+    def __init__(self, init, kernel_folder, out, modules=(), devices=(), files=()):
         self.out = out.resolve()
         self.out.mkdir(parents=True, exist_ok=True)
         initrd = self.out / "initrd.cpio"
@@ -220,7 +221,7 @@ class Machine:
         self.console = []  # every line that it printed
         self._lines = queue.Queue()
         threading.Thread(target=self._read, daemon=True).start()
-        self._until(r"^READY$", patience_s)
+        self._until(r"^READY$")
 
     def _read(self):
         for line in self.process.stdout:
@@ -229,14 +230,14 @@ class Machine:
             self._lines.put(text)
         self._lines.put(None)
 
-    def _until(self, pattern, patience_s):
-        lines, end = [], time.monotonic() + patience_s
+    def _until(self, pattern):
+        lines, end = [], time.monotonic() + PATIENCE_S
         while True:
             try:
                 line = self._lines.get(timeout=max(0.0, end - time.monotonic()))
             except queue.Empty:
                 self.stop()
-                raise RuntimeError(f"the machine did not print /{pattern}/ in {patience_s} s; it printed\n" +
+                raise RuntimeError(f"the machine did not print /{pattern}/ in {PATIENCE_S} s; it printed\n" +
                                    "\n".join(self.console[-40:])) from None
             if line is None:
                 self.check_crash()
@@ -245,11 +246,11 @@ class Machine:
                 return found, lines
             lines.append(line)
 
-    def run(self, command, patience_s=60, check=True):
+    def run(self, command, check=True):
         """One line of shell. Returns (exit status, what it printed)."""
         self.process.stdin.write(command.encode() + b"\n")
         self.process.stdin.flush()
-        found, lines = self._until(r"^EXIT:(\d+)$", patience_s)
+        found, lines = self._until(r"^EXIT:(\d+)$")
         code, text = int(found.group(1)), "\n".join(lines).strip()
         if check and code != 0:
             raise RuntimeError(f"in the machine `{command}` ended with {code}:\n{text}")

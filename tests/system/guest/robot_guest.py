@@ -16,8 +16,6 @@ import machine
 
 EYES = "v4l2:/dev/video0,/dev/video1,fps=30"
 LOOPBACK = (machine.LOOPBACK, "devices=2 video_nr=0,1 exclusive_caps=1,1 max_buffers=2")
-# By this machine's clock, which may be busy; by the guest's it is much less.
-PATIENCE_S = 1500
 
 
 class Link:
@@ -126,9 +124,9 @@ class Robot:
     def motors(self):
         return self.command("status")["motors"]
 
-    def wait_until(self, at_s, patience_s=600):
+    def wait_until(self, at_s):
         """By the robot's time."""
-        end = time.monotonic() + patience_s
+        end = time.monotonic() + machine.PATIENCE_S
         while (now := self.now()) < at_s:
             if time.monotonic() > end:
                 raise RuntimeError(f"the robot's time stands still at {now} s")
@@ -169,7 +167,7 @@ class Guest:
         try:
             self.machine = machine.Machine(options.bin / "guest_init", options.kernel, folder, modules,
                                            [*devices, *link.devices],
-                                           files=[clock.fileno() for clock in clocks], patience_s=300)
+                                           files=[clock.fileno() for clock in clocks])
         finally:
             for clock in clocks:
                 clock.close()
@@ -189,11 +187,11 @@ class Guest:
                      " echo $! >/mnt/eyes.pid; sleep 0.5; cat /mnt/eyes.txt")
         self.run("ip link set lo up")
         for command in link.before:
-            self.run(command.format(kaz=options.kaz, feed=feed), PATIENCE_S)
+            self.run(command.format(kaz=options.kaz, feed=feed))
 
     def check_program(self, options):
         """That it runs the same executable."""
-        inside = self.run(f"sha256sum {options.kaz}", 300)[1].split()[0]
+        inside = self.run(f"sha256sum {options.kaz}")[1].split()[0]
         if inside != options.hash:
             raise RuntimeError(f"the machine runs another program: {inside}")
 
@@ -233,11 +231,11 @@ def in_guest(options, folder, link, behavior, seed, seconds, during=None, before
                    f" --camera {EYES} --calibration {options.calibration} >/mnt/result.json 2>/mnt/run.txt")
         if during is None:
             guest.check_program(options)
-            guest.run(command, PATIENCE_S, check=False)
+            guest.run(command, check=False)
         else:
             guest.run(command + " & echo $! >/mnt/run.pid")
             during(robot, guest)
-            guest.run("while kill -0 $(cat /mnt/run.pid) 2>/dev/null; do sleep 0.2; done", PATIENCE_S)
+            guest.run("while kill -0 $(cat /mnt/run.pid) 2>/dev/null; do sleep 0.2; done")
         printed = robot.printed()
     result = result_of((folder / "result.json").read_text())
     result["messages"] = (folder / "run.txt").read_text()
@@ -257,7 +255,7 @@ def outside(options, folder, name, behavior, seed, seconds):
         else:
             stack.enter_context(Robot(options.kaz, folder, [*world, "--seed", str(seed)], clock=False))
             command += ["--robot", "serial:board", "--camera", "eyes"]
-        ran = subprocess.run(command, cwd=folder, text=True, capture_output=True, timeout=PATIENCE_S)
+        ran = subprocess.run(command, cwd=folder, text=True, capture_output=True, timeout=machine.PATIENCE_S)
     result = result_of(ran.stdout)
     result.setdefault("sentence", ran.stderr[-400:])
     return result

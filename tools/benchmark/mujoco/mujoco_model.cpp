@@ -31,7 +31,7 @@ std::string place(const Eigen::Isometry3d& pose) {
          "\"";
 }
 
-// Empty for a mesh: those are only seen.
+// Empty for a mesh, which is only drawn, and for a hull, which the compared robots do not have.
 std::string shape(const Shape& shape) {
   const Eigen::Vector3d& s = shape.size;
   switch (shape.kind) {
@@ -45,6 +45,7 @@ std::string shape(const Shape& shape) {
       return R"( type="capsule" size=")" + text({s.x(), s.y() / 2}) + '"';
     case Shape::Kind::plane:
       return R"( type="plane" size="0 0 1")";
+    case Shape::Kind::hull:
     case Shape::Kind::mesh:
       break;
   }

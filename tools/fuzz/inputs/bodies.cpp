@@ -1,7 +1,9 @@
 // Files of bodies: robots, worlds, meshes.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <vector>
 
+#include "sim/body/description/convex_hull.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/body/description/world_model.h"
 #include "sim/render/model/mesh.h"
@@ -16,7 +18,8 @@ Complaint judge(const sim::RigidLink& link) {
       !link.inertia.allFinite())
     return "link " + link.name + " has an invalid mass, center of mass or inertia";
   for (const sim::CollisionShape& shape : link.collisions) {
-    if (!shape.in_link.matrix().allFinite() || !shape.shape.size.allFinite())
+    if (!shape.in_link.matrix().allFinite() || !shape.shape.size.allFinite() ||
+        shape.shape.kind == sim::Shape::Kind::mesh)
       return "link " + link.name + " has an invalid shape";
   }
   for (const sim::Visual& visual : link.visuals) {
@@ -75,11 +78,29 @@ Complaint try_world(Bytes bytes) {
   return std::nullopt;
 }
 
+Complaint judge_hull(const sim::Mesh& mesh) {
+  std::vector<Eigen::Vector3d> points;
+  for (const sim::Vertex& vertex : mesh.vertices)
+    points.emplace_back(vertex.position[0], vertex.position[1], vertex.position[2]);
+  const auto hull = sim::convex_hull(points);
+  if (!hull) return std::nullopt;
+  for (std::size_t i = 0; i < hull->polygons.size(); ++i) {
+    const bool is_count = i % 4 == 0;
+    if (is_count ? hull->polygons[i] != 3 : hull->polygons[i] >= hull->size())
+      return "a hull with an invalid vertex index";
+  }
+  for (const double value : hull->planes)
+    if (!std::isfinite(value)) return "a hull with an invalid face";
+  return std::nullopt;
+}
+
 Complaint try_mesh(Bytes bytes) {
   if (bytes.empty()) return std::nullopt;
-  const std::string path = input_file(bytes.subspan(1), bytes[0] % 2 ? "mesh.stl" : "mesh.obj");
+  const char* const name = bytes[0] == 'd' ? "mesh.dae" : bytes[0] % 2 ? "mesh.stl" : "mesh.obj";
+  const std::string path = input_file(bytes.subspan(1), name);
   const auto mesh = sim::load_mesh(path, {1, 1, 1});
   if (!mesh) return judge_error(mesh.error(), path);
+  if (auto wrong = judge_hull(*mesh)) return wrong;
   if (mesh->indices.empty() || mesh->indices.size() % 3 != 0) return "a mesh without triangles";
   for (const std::uint32_t index : mesh->indices) {
     if (index >= mesh->vertices.size()) return "a triangle with an invalid vertex index";

@@ -12,7 +12,7 @@ Complaint try_robot(Bytes bytes);        // URDF
 Complaint try_world(Bytes bytes);        // SDF
 Complaint try_motor(Bytes bytes);        // motor.xml; a valid input is also written and read again
 Complaint try_sensors(Bytes bytes);      // sensors.xml
-Complaint try_mesh(Bytes bytes);         // OBJ or STL, chosen by the first byte
+Complaint try_mesh(Bytes bytes);         // OBJ, STL or COLLADA, chosen by the first byte
 Complaint try_camera_file(Bytes bytes);  // camera.json
 // Fault schedules; a valid input is also written and read again.
 Complaint try_faults(Bytes bytes);

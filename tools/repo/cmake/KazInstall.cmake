@@ -107,7 +107,7 @@ set(packages
   "asmjit::asmjit|find:asmjit|-lasmjit"
   "sdformat12::sdformat12|find:sdformat12|sdformat12"
   "PkgConfig::KAZ_ODE|pkg:KAZ_ODE:ode|ode"
-  "PkgConfig::KAZ_URDFDOM|pkg:KAZ_URDFDOM:urdfdom|urdfdom"
+  "PkgConfig::KAZ_QHULL|pkg:KAZ_QHULL:qhull_r|qhull_r"
   "PkgConfig::KAZ_TINYXML2|pkg:KAZ_TINYXML2:tinyxml2|tinyxml2")
 set(components "")
 foreach(library IN LISTS libraries)

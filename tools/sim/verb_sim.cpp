@@ -20,6 +20,8 @@ std::string not_of_a_stand(const CLI::App& verb) {
       {"--world", "world"},
       {"--suspended", "robot"},
       {"--robot-file", "robot"},
+      {"--mesh-collision", "robot"},
+      {"--skip-missing-meshes", "robot"},
       {"--imu", "IMU"},
       {"--no-imu", "IMU"},
       {"--dynamics", "robot"},
@@ -68,8 +70,10 @@ std::string not_of_a_calibration(const CLI::App& verb) {
 
 // The error for the first given option that --bus does not support; empty if all are supported.
 std::string not_of_a_bus(const CLI::App& verb) {
-  static const std::set<std::string> kTaken = {"--bus",      "--serial", "--robot-file", "--world",
-                                               "--dynamics", "--supply", "--suspended"};
+  static const std::set<std::string> kTaken = {
+      "--bus",       "--serial",         "--robot-file",
+      "--world",     "--dynamics",       "--supply",
+      "--suspended", "--mesh-collision", "--skip-missing-meshes"};
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
@@ -87,6 +91,7 @@ ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments,
   options.serial = arguments.real_time.serial_path;
   options.robot_file = arguments.backend.robot_file;
   options.dynamics = arguments.backend.dynamics;
+  options.reading = arguments.backend.reading;
   if (verb.get_option("--world")->count() > 0) options.world = arguments.backend.world;
   if (verb.get_option("--supply")->count() > 0)
     options.supply_volts = arguments.backend.supply_volts;

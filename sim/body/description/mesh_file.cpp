@@ -2,18 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // STL: https://www.fabbers.com/tech/STL_Format; a binary file has 80 bytes of header, a count, and
-// 50 bytes a triangle, and is recognised by a size that matches its count. OBJ: v, vn and f lines; others
-// are ignored.
+// 50 bytes for each triangle, and is recognized by a size that matches its count. OBJ: v, vn and f lines;
+// others are ignored.
+#include "sim/body/description/mesh_file.h"
+
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cctype>
+#include <cstdint>
 #include <cstring>
-#include <iterator>
 #include <sstream>
 #include <string_view>
 
 #include <Eigen/Geometry>
 
 #include "shared/base/files.hpp"
-#include "sim/render/model/mesh.h"
+#include "sim/body/description/collada.h"
 
 namespace kaz::sim {
 
@@ -43,18 +48,16 @@ tl::unexpected<Error> far_vertex(const std::string& path) {
 }
 
 // Degenerate triangles have no normal and are skipped.
-void add_flat(Mesh& mesh, const Points& p) {
+void add_flat(MeshTriangles& mesh, const Points& p) {
   const Eigen::Vector3d cross = (p[1] - p[0]).cross(p[2] - p[0]);
   if (!(cross.norm() > 0)) return;
-  const Eigen::Vector3d normal = cross.normalized();
-  mesh.triangle(mesh.add(p[0], normal, p[0].x(), p[0].y()),
-                mesh.add(p[1], normal, p[1].x(), p[1].y()),
-                mesh.add(p[2], normal, p[2].x(), p[2].y()));
+  mesh.corners.insert(mesh.corners.end(), p.begin(), p.end());
+  mesh.normals.insert(mesh.normals.end(), 3, cross.normalized());
 }
 
-Result<Mesh> binary_stl(std::string_view bytes, const std::string& path,
-                        const Eigen::Vector3d& scale) {
-  Mesh mesh;
+Result<MeshTriangles> binary_stl(std::string_view bytes, const std::string& path,
+                                 const Eigen::Vector3d& scale) {
+  MeshTriangles mesh;
   for (std::size_t at = 84; at + 50 <= bytes.size(); at += 50) {
     float numbers[12];
     std::memcpy(numbers, bytes.data() + at, sizeof numbers);
@@ -69,9 +72,9 @@ Result<Mesh> binary_stl(std::string_view bytes, const std::string& path,
   return mesh;
 }
 
-Result<Mesh> text_stl(const std::string& text, const std::string& path,
-                      const Eigen::Vector3d& scale) {
-  Mesh mesh;
+Result<MeshTriangles> text_stl(const std::string& text, const std::string& path,
+                               const Eigen::Vector3d& scale) {
+  MeshTriangles mesh;
   std::istringstream in(text);
   std::string word;
   Points p;
@@ -116,8 +119,9 @@ bool parse_corner(const std::string& word, std::size_t positions, std::size_t no
   return second == std::string::npos || index(word.substr(second + 1), normals, corner.normal);
 }
 
-Result<Mesh> obj(const std::string& text, const std::string& path, const Eigen::Vector3d& scale) {
-  Mesh mesh;
+Result<MeshTriangles> obj(const std::string& text, const std::string& path,
+                          const Eigen::Vector3d& scale) {
+  MeshTriangles mesh;
   std::vector<Eigen::Vector3d> positions, normals;
   std::istringstream in(text);
   std::string line, word;
@@ -153,40 +157,60 @@ Result<Mesh> obj(const std::string& text, const std::string& path, const Eigen::
           add_flat(mesh, p);
           continue;
         }
-        std::array<std::uint32_t, 3> index{};
         for (std::size_t k = 0; k < 3; ++k) {
-          index[k] = mesh.add(p[k], normals[c[k].normal], p[k].x(), p[k].y());
+          mesh.corners.push_back(p[k]);
+          mesh.normals.push_back(normals[c[k].normal]);
         }
-        mesh.triangle(index[0], index[1], index[2]);
       }
     }
   }
   return mesh;
 }
 
+// A mirrored triangle is clockwise: two corners change places.
+void turn_inside_out(MeshTriangles& mesh) {
+  for (std::size_t i = 0; i + 2 < mesh.corners.size(); i += 3) {
+    std::swap(mesh.corners[i + 1], mesh.corners[i + 2]);
+    std::swap(mesh.normals[i + 1], mesh.normals[i + 2]);
+  }
+  // Normals that were computed from mirrored corners point inward; those of files were mirrored.
+  for (std::size_t i = 0; i + 2 < mesh.corners.size(); i += 3) {
+    const Eigen::Vector3d cross =
+        (mesh.corners[i + 1] - mesh.corners[i]).cross(mesh.corners[i + 2] - mesh.corners[i]);
+    for (std::size_t k = i; k < i + 3; ++k) {
+      if (mesh.normals[k].dot(cross) < 0) mesh.normals[k] = -mesh.normals[k];
+    }
+  }
+}
+
 }  // namespace
 
-Result<Mesh> load_mesh(const std::string& path, const Eigen::Vector3d& scale) {
-  if (!(scale.minCoeff() > 0)) {
-    return fail(Fault::usage, path + ": the mesh's scale must be positive in all three axes");
-  }
+Result<MeshTriangles> read_mesh(const std::string& path, const Eigen::Vector3d& scale) {
+  if (!(scale.cwiseAbs().minCoeff() > 0))
+    return fail(Fault::usage, path + ": the mesh's scale must not be zero on any axis");
   constexpr std::size_t max_bytes = 256 << 20;
-  const auto read = KAZ_TRY(read_whole_file(path, max_bytes, "give a mesh, .obj or .stl"));
-  const std::string& bytes = read;
+  const std::string bytes =
+      KAZ_TRY(read_whole_file(path, max_bytes, "give a mesh: .obj, .stl or .dae"));
+  std::string extension = path.substr(std::min(path.size(), path.rfind('.')));
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, sizeof count);
-  Result<Mesh> mesh;
-  if (path.ends_with(".obj") || path.ends_with(".OBJ")) {
+  const bool binary = bytes.size() >= 84 && bytes.size() == 84 + std::size_t{50} * count;
+  Result<MeshTriangles> mesh;
+  if (extension == ".obj")
     mesh = obj(bytes, path, scale);
-  } else if (path.ends_with(".stl") || path.ends_with(".STL")) {
-    const bool binary = bytes.size() >= 84 && bytes.size() == 84 + std::size_t{50} * count;
+  else if (extension == ".stl")
     mesh = binary ? binary_stl(bytes, path, scale) : text_stl(bytes, path, scale);
-  } else {
-    return fail(Fault::usage, path + ": only .obj and .stl meshes are supported: convert this one");
-  }
-  if (mesh && mesh->indices.empty()) {
+  else if (extension == ".dae")
+    mesh = read_collada(path, scale);
+  else
+    return fail(Fault::usage,
+                path + ": only .obj, .stl and .dae meshes are supported: convert this one");
+  if (!mesh) return mesh;
+  if (mesh->corners.empty())
     return fail(Fault::usage, path + ": the mesh has no triangles: export it again");
-  }
+  if (scale.prod() < 0) turn_inside_out(*mesh);
   return mesh;
 }
 

@@ -1,0 +1,149 @@
+// Our URDF reader against urdfdom and KDL: mass, center of mass, joints, limits, and the pose of each link.
+// SPDX-License-Identifier: Apache-2.0
+//
+// KAZ_ROBOT_FILES=FOLDER: all URDF files below this folder, instead of those in the tree.
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <urdf_parser/urdf_parser.h>
+#include <kdl/treefksolverpos_recursive.hpp>
+#include <kdl_parser/kdl_parser.hpp>
+
+#include "sim/body/description/robot_model.h"
+
+namespace kaz::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAgrees = 1e-9;  // m, kg, rad
+
+std::vector<std::string> files() {
+  const char* named = std::getenv("KAZ_ROBOT_FILES");
+  std::vector<std::string> found;
+  std::vector<fs::path> folders{"shared/robot", "sim/robots"};
+  if (named != nullptr) folders = {named};
+  for (const fs::path& folder : folders) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() == ".urdf") found.push_back(entry.path().string());
+    }
+  }
+  return found;
+}
+
+Eigen::Isometry3d from_kdl(const KDL::Frame& frame) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    pose.translation()[r] = frame.p(r);
+    for (int c = 0; c < 3; ++c) pose.linear()(r, c) = frame.M(r, c);
+  }
+  return pose;
+}
+
+// Poses of the moving links in the root's frame.
+std::vector<Eigen::Isometry3d> poses_of(const RobotModel& robot,
+                                        const std::vector<double>& angles) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const RobotLink& link : robot.links) {
+    if (link.parent < 0) {
+      poses.push_back(link.at_zero);
+      continue;
+    }
+    const auto parent = static_cast<std::size_t>(link.parent),
+               joint = static_cast<std::size_t>(link.joint);
+    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * robot.joints[joint].axis;
+    poses.push_back(poses[parent] * robot.links[parent].at_zero.inverse() * link.at_zero *
+                    Eigen::AngleAxisd(angles[joint], axis));
+  }
+  return poses;
+}
+
+// Angles within the limits, different for each posture.
+std::vector<double> posture(const RobotModel& robot, int number) {
+  std::vector<double> angles;
+  for (const RobotJoint& joint : robot.joints) {
+    const double low = std::max(joint.lower, -3.0), high = std::min(joint.upper, 3.0);
+    const double share =
+        std::fmod(0.37 + 0.618 * static_cast<double>(angles.size() + 1) * number, 1.0);
+    angles.push_back(number == 0 ? 0 : low + share * (high - low));
+  }
+  return angles;
+}
+
+class JudgedRobot : public testing::TestWithParam<std::string> {};
+
+TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
+  const auto robot = load_robot(GetParam(), {.skip_missing_meshes = true});
+  ASSERT_TRUE(robot) << full_text(robot.error());
+  const auto model = urdf::parseURDFFile(GetParam());
+  ASSERT_TRUE(model);
+  KDL::Tree tree;
+  ASSERT_TRUE(kdl_parser::treeFromFile(GetParam(), tree));
+
+  EXPECT_EQ(robot->joints.size(), tree.getNrOfJoints());
+  for (const RobotJoint& joint : robot->joints) {
+    const auto other = model->getJoint(joint.name);
+    ASSERT_TRUE(other) << joint.name;
+    if (other->type == urdf::Joint::CONTINUOUS) {
+      EXPECT_TRUE(std::isinf(joint.lower) && std::isinf(joint.upper)) << joint.name;
+    } else {
+      EXPECT_NEAR(joint.lower, other->limits->lower, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.upper, other->limits->upper, kAgrees) << joint.name;
+    }
+    if (other->limits && other->limits->effort > 0) {
+      EXPECT_NEAR(joint.effort, other->limits->effort, kAgrees) << joint.name;
+    }
+    if (other->limits && other->limits->velocity > 0) {
+      EXPECT_NEAR(joint.velocity, other->limits->velocity, kAgrees) << joint.name;
+    }
+    if (other->dynamics) {
+      EXPECT_NEAR(joint.damping, other->dynamics->damping, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.friction, other->dynamics->friction, kAgrees) << joint.name;
+    }
+  }
+
+  KDL::TreeFkSolverPos_recursive kinematics(tree);
+  for (int number = 0; number < 3; ++number) {
+    const std::vector<double> angles = posture(*robot, number);
+    KDL::JntArray q(tree.getNrOfJoints());
+    for (const auto& [name, segment] : tree.getSegments()) {
+      const std::string& joint = segment.segment.getJoint().getName();
+      for (std::size_t j = 0; j < angles.size(); ++j)
+        if (robot->joints[j].name == joint) q(segment.q_nr) = angles[j];
+    }
+    const auto poses = poses_of(*robot, angles);
+    double mass = 0;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const auto& [name, link] : model->links_) {
+      KDL::Frame frame;
+      if (name != model->getRoot()->name) {
+        ASSERT_GE(kinematics.JntToCart(q, frame, name), 0) << name;
+      }
+      const Eigen::Isometry3d theirs = from_kdl(frame);
+      const RobotFrame& at = robot->frames.at(name);
+      const Eigen::Isometry3d ours = poses[static_cast<std::size_t>(at.link)] * at.in_link;
+      EXPECT_LT((ours.matrix() - theirs.matrix()).cwiseAbs().maxCoeff(), kAgrees)
+          << name << " in posture " << number;
+      if (!link->inertial) continue;
+      const urdf::Vector3& com = link->inertial->origin.position;
+      mass += link->inertial->mass;
+      sum += link->inertial->mass * (theirs * Eigen::Vector3d(com.x, com.y, com.z));
+    }
+    Eigen::Vector3d own = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      own += robot->links[i].rigid.mass * (poses[i] * robot->links[i].rigid.com);
+    EXPECT_NEAR(robot->mass(), mass, kAgrees);
+    EXPECT_LT((own - sum).norm(), kAgrees * mass) << "center of mass in posture " << number;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, JudgedRobot, testing::ValuesIn(files()), [](const auto& test) {
+  std::string name = fs::path(test.param).stem().string() + "_" + std::to_string(test.index);
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
+});
+
+}  // namespace
+}  // namespace kaz::sim

@@ -1,0 +1,125 @@
+// Report about a robot's description.
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/robot/check_robot.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/board/board.h"
+#include "sim/body/description/robot_model.h"
+#include "tools/base/output.h"
+#include "tools/base/provenance.h"
+#include "tools/drawing/figure.h"
+#include "tools/robot/robot_picture.h"
+#include "tools/robot/starter_files.h"
+
+namespace kaz::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPictureWidth = 960;  // px
+
+// Number or, for infinity, null: JSON has no infinity.
+Json limit_json(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+// What the robot's folder lacks for a use of the robot.
+struct Need {
+  const char* use;
+  std::string missing;  // empty: nothing
+};
+
+std::vector<Need> needs_of(const sim::RobotModel& robot, const std::string& file) {
+  const auto missing = [&file](const char* name) {
+    std::error_code ignored;
+    return !std::filesystem::exists(std::filesystem::path(file).replace_filename(name), ignored);
+  };
+  const auto add = [](std::string& to, const std::string& what) {
+    to += (to.empty() ? "" : ", ") + what;
+  };
+  Need board{"simulation with a servo board", {}}, bus{"servo bus, real or virtual", {}};
+  for (const char* name : {"motor.xml", "sensors.xml"})
+    if (missing(name)) add(board.missing, name);
+  if (robot.joints.size() > KZ_JOINTS)
+    add(board.missing, std::to_string(robot.joints.size()) +
+                           " joints, but the board has channels for " + std::to_string(KZ_JOINTS));
+  for (const char* name : {"bus.json", "motor.xml"})
+    if (missing(name)) add(bus.missing, name);
+  return {board, bus};
+}
+
+std::string limit_text(double value, const char* format) {
+  char text[32] = "none";
+  if (std::isfinite(value)) std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+void print(const sim::RobotModel& robot, const CheckRobotOptions& options) {
+  std::size_t shapes = 0;
+  for (const sim::RobotLink& link : robot.links) shapes += link.rigid.collisions.size();
+  print_lines("%s: %zu joints, %zu links, %.3f kg, %zu collision shapes%s\n", robot.name.c_str(),
+              robot.joints.size(), robot.frames.size(), robot.mass(), shapes,
+              robot.fixed_base ? ", fixed to the world" : "");
+  std::printf("%-28s %9s %9s %9s %9s\n", "joint", "lower/rad", "upper/rad", "rad/s", "Nm");
+  for (const sim::RobotJoint& joint : robot.joints)
+    print_lines("%-28s %9s %9s %9s %9s\n", joint.name.c_str(),
+                limit_text(joint.lower, "%.4f").c_str(), limit_text(joint.upper, "%.4f").c_str(),
+                limit_text(joint.velocity, "%.3g").c_str(),
+                limit_text(joint.effort, "%.3g").c_str());
+  if (!robot.notes.empty() && !options.verbose)
+    print_lines("not used: %s; --verbose lists the lines\n", sim::summary(robot.notes).c_str());
+  for (const sim::FileNote& note : robot.notes)
+    if (options.verbose)
+      print_lines("%s:%d: %s is not used\n", options.file.c_str(), note.line, note.what.c_str());
+  for (const Need& need : needs_of(robot, options.file))
+    print_lines("%s: %s\n", need.use,
+                need.missing.empty() ? "ready" : ("missing " + need.missing).c_str());
+}
+
+Json json_of(const sim::RobotModel& robot, const CheckRobotOptions& options) {
+  Json joints = Json::array(), links = Json::array(), notes = Json::array(), needs = Json::object();
+  for (const sim::RobotJoint& joint : robot.joints)
+    joints.push_back({{"name", joint.name},
+                      {"lower_rad", limit_json(joint.lower)},
+                      {"upper_rad", limit_json(joint.upper)},
+                      {"velocity_rad_s", limit_json(joint.velocity)},
+                      {"effort_nm", limit_json(joint.effort)},
+                      {"damping_nms", joint.damping},
+                      {"friction_nm", joint.friction}});
+  for (const sim::RobotLink& link : robot.links)
+    links.push_back({{"name", link.rigid.name},
+                     {"mass_kg", link.rigid.mass},
+                     {"collisions", link.rigid.collisions.size()}});
+  for (const sim::FileNote& note : robot.notes)
+    notes.push_back({{"line", note.line}, {"what", note.what}});
+  for (const Need& need : needs_of(robot, options.file)) needs[need.use] = need.missing;
+  return {{"robot", robot.name}, {"mass_kg", robot.mass()},        {"fixed_base", robot.fixed_base},
+          {"joints", joints},    {"moving_links", links},          {"not_used", notes},
+          {"missing", needs},    {"provenance", provenance_json()}};
+}
+
+}  // namespace
+
+Result<void> check_robot(const CheckRobotOptions& options) {
+  const auto robot = KAZ_TRY(sim::load_robot(options.file, options.reading));
+  std::vector<std::string> written;
+  if (options.write) written = KAZ_TRY(write_starter_files(robot, options.file));
+  if (options.json)
+    print_json(json_of(robot, options));
+  else
+    print(robot, options);
+  for (const std::string& name : written)
+    if (!options.json) print_lines("wrote %s; correct its values for your robot\n", name.c_str());
+  if (options.picture.empty()) return {};
+  const auto picture = KAZ_TRY(robot_picture(robot, kPictureWidth));
+  KAZ_TRY(figure::write_png(options.picture, picture));
+  if (!options.json) print_lines("picture: %s\n", options.picture.c_str());
+  return {};
+}
+
+}  // namespace kaz::tools
