@@ -93,7 +93,7 @@ int points_behind_a_rod(double aside_m) {
   scene.frames = {"world", "arm"};
   sim::Visual rod;
   rod.frame = 1;
-  rod.shape = {sim::Shape::Kind::box, {0.02, 0.02, 0.6}, ""};
+  rod.shape = {sim::Shape::Kind::box, {0.02, 0.02, 0.6}, nullptr, ""};
   scene.visuals.push_back(rod);
   sim::ScenePose pose;
   pose.frames.assign(2, Eigen::Isometry3d::Identity());

@@ -64,7 +64,7 @@ TEST(OwnBody, OnlyShapesOfItsLinksBetweenEyeAndPlaceHide) {
   sim::Scene scene;
   scene.frames = {"world", "arm", "box::box"};
   sim::Visual visual;
-  visual.shape = {sim::Shape::Kind::box, {0.1, 0.1, 0.1}, ""};
+  visual.shape = {sim::Shape::Kind::box, {0.1, 0.1, 0.1}, nullptr, ""};
   for (const int frame : {1, 2}) {
     visual.frame = frame;
     scene.visuals.push_back(visual);

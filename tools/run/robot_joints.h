@@ -15,7 +15,7 @@ namespace kaz::tools {
 Result<std::vector<std::string>> other_joints(const std::string& robot_file);
 
 // Prints one line to standard error if robot and joints in `robot_file` have elements that Kaz does not use.
-// Elements of links are left out. `label`: prefix of the line. Does nothing for an empty path or invalid file.
+// Elements of links are left out. `label`: prefix of the line. Ignores an empty path and an invalid file.
 void print_unused(const std::string& label, const std::string& robot_file);
 
 }  // namespace kaz::tools

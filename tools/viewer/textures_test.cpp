@@ -40,7 +40,7 @@ TEST(Textures, MarkersNameTheTextureOfTheirVisual) {
   sim::Scene scene;
   scene.frames = {"world"};
   sim::Visual floor;
-  floor.shape = {sim::Shape::Kind::plane, {8, 8, 0}, ""};
+  floor.shape = {sim::Shape::Kind::plane, {8, 8, 0}, nullptr, ""};
   floor.texture = "wood";
   scene.visuals = {floor, sim::Visual{}};
   const auto markers = sim::ros::markers_of(scene, {});
