@@ -130,7 +130,6 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
                                   " s: must be above 0 and at most 0.01 s; the default is 0.001 s");
   }
   KAZ_TRY(check_pushes(world, robot, options.hung));
-  if (*iterations != kReduced) KAZ_TRY(check_hinges(robot));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
@@ -149,8 +148,9 @@ Result<WorldFiles> read_world_files(const std::string& world_path, const std::st
 Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const std::string& robot_path,
                                            const WorldOptions& options) {
-  KAZ_TRY(iterations_of(options.dynamics));
+  const int iterations = KAZ_TRY(iterations_of(options.dynamics));
   const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  if (iterations != kReduced) KAZ_TRY(check_hinges(files.robot));
   if (!options.hung) KAZ_TRY(check_start(world_path, files.world, files.robot));
   return make_world(files.world, files.robot, files.motor, options);
 }

@@ -5,6 +5,7 @@
 // their parent link; RobotModel::frames still lists their frames.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -37,7 +38,8 @@ struct RobotJoint {
   // these limits (stop_margin.h).
   double lower = 0, upper = 0;
   // Limits of speed (rad/s) and torque (Nm); infinite if the file states none.
-  double velocity = 0, effort = 0;
+  double velocity = std::numeric_limits<double>::infinity();
+  double effort = std::numeric_limits<double>::infinity();
   double damping = 0;   // viscous friction, Nm s/rad
   double friction = 0;  // Coulomb friction, Nm
 };

@@ -245,7 +245,7 @@ class Check {
     if (name == nullptr) return spoil(e, "<mesh> lacks the attribute `filename`");
     const auto path = mesh_path(urdf_.file.path(), name);
     const std::string what = std::string("mesh `") + name + "`";
-    if (path && options_.skip_missing_meshes && !mesh_exists(*path)) return note(e, what);
+    if (options_.skip_missing_meshes && !(path && mesh_exists(*path))) return note(e, what);
     const auto error = path ? mesh_error(*path) : path.error().message;
     if (error) spoil(e, what + " " + *error);
   }
@@ -369,6 +369,9 @@ class Check {
       if (sound(dynamics) && number_of(*dynamics, loss, 0) < 0)
         object(*dynamics, std::string(loss) + " of joint `" + name + "` is negative");
     }
+    if (sound(dynamics) && number_of(*dynamics, "spring_stiffness", 0) != 0)
+      object(*dynamics, "joint `" + name +
+                            "` has a spring, which is not supported; remove `spring_stiffness`");
     const Element* axis = joint.FirstChildElement("axis");
     if (axis == nullptr || !sound(axis) || !options_.body) return;
     const auto xyz = numbers_of(*axis, "xyz", 3);

@@ -84,7 +84,7 @@ TEST_F(UrdfFile, RefusesWhatChangesPhysics) {
   for (const auto& [part, message] : std::vector<std::pair<std::string, std::string>>{
            {"<mimic joint='j'/>", "<mimic> is not supported: make the joint fixed"},
            {"<dynamics damping='0.1' spring_stiffness='3'/>",
-            "attribute `spring_stiffness` of <dynamics> is unknown"},
+            "joint `j` has a spring, which is not supported"},
            {"<dynamics damping='-1'/>", "damping of joint `j` is negative"}}) {
     TwoLinks robot;
     robot.joint = part;
@@ -268,8 +268,11 @@ TEST_F(UrdfFile, MissingMeshesAreNamedAndCanBeSkipped) {
 }
 
 TEST_F(UrdfFile, PackagesAreFoundByTheirNames) {
+  namespace fs = std::filesystem;
+  const std::string root = fs::path(folder_.write("x", "")).parent_path().string();
+  fs::create_directories(root + "/robot_description/meshes");
+  fs::create_directories(root + "/robot_description/urdf");
   folder_.write("robot_description/meshes/part.obj", kObj);
-  const std::string root = std::filesystem::path(folder_.write("x", "")).parent_path().string();
   TwoLinks robot;
   robot.arm +=
       "<visual><geometry><mesh filename='package://robot_description/meshes/part.obj'/>"

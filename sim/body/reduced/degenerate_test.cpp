@@ -50,6 +50,7 @@ class Degenerate : public testing::Test {
     if (!robot || !motor || !around) return nullptr;
     motor->stall_slope_nm_per_v *= times;
     motor->winding_heat_capacity = 0;  // it would burn in a step
+    for (RobotJoint& joint : robot->joints) joint.effort *= times;
     robot_ = *robot;
     return load(*around, *robot, *motor);
   }

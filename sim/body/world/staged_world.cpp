@@ -17,7 +17,8 @@ std::vector<JointMotor> motors_of(const RobotModel& robot, const MotorParams& mo
     MotorParams own = motor;
     own.friction_nm += joint.friction;
     own.damping_nms_per_rad += joint.damping;
-    own.max_drive_nm = std::min(own.max_drive_nm, joint.effort);
+    // The limit is that of the shaft, and friction takes its part of the drive torque.
+    own.max_drive_nm = std::min(own.max_drive_nm, joint.effort + own.friction_nm);
     motors.emplace_back(own, step_s);
   }
   return motors;
