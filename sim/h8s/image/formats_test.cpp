@@ -65,6 +65,26 @@ TEST(IntelHex, ErrorsNameLineAndFault) {
   }
 }
 
+TEST(IntelHex, RepeatedBytesMustBeEqual) {
+  const std::string first = ":0400000000001000EC\n", end = ":00000001FF\n";
+  const auto equal = parse_intel_hex(first + ":020001000010ED\n" + end, "t.hex");
+  ASSERT_TRUE(equal.has_value()) << equal.error().message;
+  ASSERT_EQ(equal->segments.size(), 1u);
+  EXPECT_EQ(equal->segments[0].bytes, (Bytes{0, 0, 0x10, 0}));
+  const auto other = parse_intel_hex(first + ":020001000011EC\n" + end, "t.hex");
+  ASSERT_FALSE(other.has_value());
+  EXPECT_EQ(other.error().message,
+            "t.hex:2: address 000002 gets the value 11, but an earlier record has set it to 10; "
+            "remove one of these records");
+  // Segment 1000: offset ffff wraps to offset 0, which the record before has set.
+  const auto wrapped =
+      parse_intel_hex(":020000021000EC\n:01000000CC33\n:02FFFF00AABB9B\n" + end, "t.hex");
+  ASSERT_FALSE(wrapped.has_value());
+  EXPECT_NE(wrapped.error().message.find("t.hex:3: address 010000 gets the value bb"),
+            std::string::npos)
+      << wrapped.error().message;
+}
+
 void put16(Bytes& b, unsigned v) {
   b.push_back(static_cast<std::uint8_t>(v >> 8));
   b.push_back(static_cast<std::uint8_t>(v));
