@@ -26,11 +26,12 @@ std::string hex(std::uint32_t value, int digits) {
 
 Result<Image> HexRecords::parse(std::string_view text) {
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     if (auto ok = line(text.substr(0, end)); !ok)
       return fail(ok.error().message +
                   (end == text.size() ? "; the file ends within this line: it seems cut off" : ""));
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::size_t mark = text.substr(end).starts_with("\r\n") ? 2 : 1;
+    text.remove_prefix(std::min(end + mark, text.size()));
   }
   if (image_.segments.empty()) return fail(name_ + ": no data records");
   if (!ended_) return fail(name_ + ": no end record (" + end_ + "); the file is cut off");
@@ -39,7 +40,7 @@ Result<Image> HexRecords::parse(std::string_view text) {
 
 Result<void> HexRecords::line(std::string_view text) {
   ++line_;
-  while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
   if (text.empty()) return {};
   if (ended_) return error("record after the end record");
   return record(text);

@@ -17,7 +17,7 @@ namespace kaz::h8s {
 class HexRecords {
  public:
   virtual ~HexRecords() = default;
-  // Returns the image, or an error that names file and line.
+  // Returns the image, or an error that names file and line. A line ends with LF, CR LF or CR.
   Result<Image> parse(std::string_view text);
 
  protected:

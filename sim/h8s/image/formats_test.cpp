@@ -65,6 +65,15 @@ TEST(IntelHex, ErrorsNameLineAndFault) {
   }
 }
 
+TEST(IntelHex, LinesMayEndWithCrAlone) {
+  const auto image = parse_intel_hex(":0100000055AA\r:00000001FF\r", "t.hex");
+  ASSERT_TRUE(image.has_value()) << image.error().message;
+  EXPECT_EQ(image->segments[0].bytes, Bytes{0x55});
+  const auto bad = parse_intel_hex(":0100000055AA\r:00000001FE\r", "t.hex");
+  ASSERT_FALSE(bad.has_value());
+  EXPECT_EQ(bad.error().message, "t.hex:2: wrong checksum");
+}
+
 TEST(IntelHex, RepeatedBytesMustBeEqual) {
   const std::string first = ":0400000000001000EC\n", end = ":00000001FF\n";
   const auto equal = parse_intel_hex(first + ":020001000010ED\n" + end, "t.hex");

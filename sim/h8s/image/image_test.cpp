@@ -48,6 +48,26 @@ TEST(SRecord, ErrorsNameLineAndFault) {
   }
 }
 
+TEST(SRecord, LinesEndWithLfOrCrLfOrCr) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const std::string first = "S0030000FC" + end + "S107000000001000E8" + end;
+    for (const std::string& last : {"S9030000FC" + end, std::string("S9030000FC")}) {
+      const auto image = parse_srecord(first + end + last, "t.srec");
+      ASSERT_TRUE(image.has_value()) << image.error().message;
+      ASSERT_EQ(image->segments.size(), 1u);
+      EXPECT_EQ(image->segments[0].bytes, (std::vector<std::uint8_t>{0, 0, 0x10, 0}));
+    }
+    const auto bad = parse_srecord(first + end + "S9030000FD" + end, "t.srec");
+    ASSERT_FALSE(bad.has_value());
+    EXPECT_EQ(bad.error().message, "t.srec:4: wrong checksum");
+    const auto cut = parse_srecord(first + "S90300", "t.srec");
+    ASSERT_FALSE(cut.has_value());
+    EXPECT_EQ(cut.error().message,
+              "t.srec:3: length byte is 3, but the line has 1 bytes; the file ends within this "
+              "line: it seems cut off");
+  }
+}
+
 TEST(SRecord, RepeatedBytesMustBeEqual) {
   const std::string first = "S107000000001000E8\n", end = "S9030000FC\n";
   // Repeats addresses 1 and 2; repeats address 3 and adds 4.
