@@ -155,6 +155,31 @@ TEST(Elf, SegmentsWhereThereAreNoSections) {
   EXPECT_EQ(image->segments[0].bytes.size(), 8u);
 }
 
+// The sizes of the program header are at 52 + 16 (p_filesz) and 52 + 20 (p_memsz).
+TEST(Elf, SegmentsMustFitTheMemory) {
+  const auto message = [](std::uint32_t address, std::uint32_t memory_size, bool sections) {
+    Bytes b = small_elf(), fields;
+    put_words(fields, {address, address, 8, memory_size});
+    std::copy(fields.begin(), fields.end(), b.begin() + 52 + 8);
+    if (!sections) b[48] = b[49] = 0;
+    const auto image = parse_elf(b, "t.elf");
+    return image ? "" : image.error().message;
+  };
+  for (const bool sections : {true, false}) {
+    EXPECT_EQ(message(0x400, 8, sections), "");
+    EXPECT_EQ(message(0x400, 7, sections),
+              "t.elf: at offset 0x34: the segment at address 0x400 has p_memsz 0x7: must be at "
+              "least its p_filesz 0x8; link the program again");
+    EXPECT_EQ(message(0x400, 0x1000000 - 0x400, sections), "");
+    for (const std::uint32_t size : {0x1000000u - 0x3ff, 0x7fffffffu, 0xffffffffu})
+      EXPECT_NE(message(0x400, size, sections).find("must end at or below 0xffffff"),
+                std::string::npos);
+    EXPECT_EQ(message(0xfffffff8, 8, sections),
+              "t.elf: at offset 0x34: the segment at address 0xfffffff8 has p_memsz 0x8: must end "
+              "at or below 0xffffff, the last address of the chip; check the linker script");
+  }
+}
+
 TEST(Elf, ErrorsSayWhatIsExpected) {
   struct Case {
     std::size_t at;
