@@ -75,7 +75,7 @@ Value between(const Knot& a, const Knot& b, double time_s) {
 Result<PoseSequence> parse_poses(std::string_view text, const std::string& name) {
   if (text.size() > kMaxPosesBytes) return wrong(name, "it is larger than 1 MiB");
   const auto parsed = parse_bounded_json<Json>(text);
-  if (!parsed) return wrong(name, "it is not a JSON object: " + parsed.error().message);
+  if (!parsed) return wrong(name, parsed.error().message);
   const Json& json = *parsed;
   if (!json.is_object()) return wrong(name, "it is not a JSON object");
   for (const auto& [key, value] : json.items()) {

@@ -43,7 +43,11 @@ TEST(Poses, AreReadAndWritten) {
 TEST(Poses, WhatIsWrongIsNamed) {
   const std::string one = R"({"time_s": 1, "angles_rad": {"pan": 0}})";
   for (const auto& [text, hint] : std::vector<std::pair<std::string, std::string>>{
-           {"", "not a JSON object"},
+           {"", "line 1 is not valid JSON"},
+           {file(R"({"time_s": 0, "angles_rad": {"pan": 1e999}})"),
+            "line 1: the number 1e999 is too large: the limit is 1.8e308"},
+           {file(R"({"time_s": 0, "angles_rad": {"pan": 0, "pan": 0.5}})"),
+            "the key \"pan\" occurs twice in one object; remove one"},
            {"{\"format\": \"kaz-poses-1\",\n \"poses\": [,]}", "line 2"},
            {"[]", "not a JSON object"},
            {R"({"poses": []})", "\"format\" must be"},

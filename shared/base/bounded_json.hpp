@@ -40,15 +40,18 @@ class Guard final : public nlohmann::json_sax<Json> {
   bool start_array(std::size_t) override { return open(); }
   bool end_array() override { return close(); }
   bool key(std::string& name) override {
-    return keys_.back().insert(name).second || stop("\"" + cut_text(name) + "\" occurs twice");
+    return keys_.back().insert(name).second ||
+           stop("the key \"" + cut_text(name) + "\" occurs twice in one object; remove one");
   }
-  bool parse_error(std::size_t at, const std::string&,
+  bool parse_error(std::size_t at, const std::string& token,
                    const nlohmann::detail::exception& error) override {
     constexpr int kOutOfRange = 406;  // number overflow
     const auto before = text_.substr(0, std::min(text_.size(), at));
     const auto line = "line " + std::to_string(1 + std::ranges::count(before, '\n'));
-    return stop(line + (error.id == kOutOfRange ? " has a number that is too large"
-                                                : " is not valid JSON"));
+    return stop(line + (error.id == kOutOfRange
+                            ? ": the number " + cut_text(token) +
+                                  " is too large: the limit is 1.8e308; give a smaller one"
+                            : " is not valid JSON"));
   }
   bool null() override { return true; }
   bool boolean(bool) override { return true; }

@@ -39,12 +39,17 @@ TEST(BoundedJson, CommentsHideNoLevels) {
 TEST(BoundedJson, SaysInOneSentenceWhatIsWrong) {
   EXPECT_EQ(refusal("{\n\"a\": 1,\n}"), "line 3 is not valid JSON");
   EXPECT_EQ(refusal(""), "line 1 is not valid JSON");
-  EXPECT_EQ(refusal("[1,\n1e999]"), "line 2 has a number that is too large");
+  EXPECT_EQ(refusal("[1,\n1e999]"),
+            "line 2: the number 1e999 is too large: the limit is 1.8e308; give a smaller one");
+  EXPECT_EQ(refusal("-1" + std::string(50'000, '0') + ".5"),
+            "line 1: the number -1" + std::string(78, '0') +
+                "... is too large: the limit is 1.8e308; give a smaller one");
   EXPECT_EQ(refusal(R"({"a": {"b": 1}, "b": 2})"), "");
-  EXPECT_EQ(refusal(R"({"a": {"b": 1, "b": 2}})"), "\"b\" occurs twice");
+  EXPECT_EQ(refusal(R"({"a": {"b": 1, "b": 2}})"),
+            "the key \"b\" occurs twice in one object; remove one");
   const std::string key(50'000, 'k');
   EXPECT_EQ(refusal("{\"" + key + "\":1,\"" + key + "\":1}"),
-            "\"" + key.substr(0, 80) + "...\" occurs twice");
+            "the key \"" + key.substr(0, 80) + "...\" occurs twice in one object; remove one");
 }
 
 TEST(BoundedJson, ASampleOfAValueIsShort) {

@@ -1,5 +1,6 @@
 // ELF32, big-endian, machine 46 (H8/300 family): contents, entry and symbols.
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
 #include <cstring>
 
 #include "shared/image/object_file.h"
@@ -13,6 +14,14 @@ constexpr std::uint32_t kSymbolTable = 2, kNoBits = 8, kAllocated = 2, kLoad = 1
 // e_flags: the family member in bits 16 to 23.
 constexpr std::uint32_t kMemberMask = 0x00ff0000, kH8300 = 0x00800000, kH8300hn = 0x00840000,
                         kH8300sn = 0x00850000;
+
+constexpr std::uint64_t kMemory = 0x1000000;  // addresses have 24 bits
+
+std::string hex(std::uint32_t value) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0x%x", value);
+  return text;
+}
 
 class Reader final : public ObjectFile {
  public:
@@ -56,7 +65,7 @@ class Reader final : public ObjectFile {
   };
   struct Program {
     std::size_t at;
-    std::uint32_t type, offset, run, load, size;
+    std::uint32_t type, offset, run, load, size, memory_size;
   };
 
   // A name of a string table; none where there is no such section.
@@ -77,13 +86,29 @@ class Reader final : public ObjectFile {
       return error(32, "the section headers lie outside the file");
     for (std::size_t k = 0; k < programs; ++k) {
       const std::size_t at = u32(28) + k * u16(42);
-      programs_.push_back({at, u32(at), u32(at + 4), u32(at + 8), u32(at + 12), u32(at + 16)});
+      programs_.push_back(
+          {at, u32(at), u32(at + 4), u32(at + 8), u32(at + 12), u32(at + 16), u32(at + 20)});
+      KAZ_TRY(check_memory(programs_.back()));
     }
     for (std::size_t k = 0; k < sections; ++k) {
       const std::size_t at = u32(32) + k * u16(46);
       sections_.push_back({at, u32(at), u32(at + 4), u32(at + 8), u32(at + 12), u32(at + 16),
                            u32(at + 20), u32(at + 24), u32(at + 36)});
     }
+    return {};
+  }
+
+  Result<void> check_memory(const Program& p) const {
+    if (p.type != kLoad) return {};
+    const std::string sizes =
+        "the segment at address " + hex(p.run) + " has p_memsz " + hex(p.memory_size);
+    if (p.size > p.memory_size)
+      return error(p.at, sizes + ": must be at least its p_filesz " + hex(p.size) +
+                             "; link the program again");
+    if (std::uint64_t{p.run} + p.memory_size > kMemory)
+      return error(p.at, sizes +
+                             ": must end at or below 0xffffff, the last address of the chip; "
+                             "check the linker script");
     return {};
   }
 

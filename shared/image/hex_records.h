@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,7 +17,7 @@ namespace kaz::h8s {
 class HexRecords {
  public:
   virtual ~HexRecords() = default;
-  // Returns the image, or an error that names file and line.
+  // Returns the image, or an error that names file and line. A line ends with LF, CR LF or CR.
   Result<Image> parse(std::string_view text);
 
  protected:
@@ -35,19 +36,25 @@ class HexRecords {
   // Reads a big-endian number of up to four bytes.
   static std::uint32_t big(std::span<const std::uint8_t> bytes);
   // Adds data to the image. If `address` directly follows the previous data, the data extend the same
-  // segment.
-  void append(std::uint32_t address, std::span<const std::uint8_t> data);
+  // segment. Bytes that repeat the values of an earlier record are skipped. Returns an error if a byte
+  // contradicts an earlier record or lies beyond 32 bits.
+  Result<void> append(std::uint32_t address, std::span<const std::uint8_t> data);
   void entry(std::uint32_t address) { image_.entry = address; }
   void ended() { ended_ = true; }
 
  private:
   Result<void> line(std::string_view text);
+  Result<void> check_equal(std::uint32_t address, std::span<const std::uint8_t> data,
+                           std::span<const std::uint8_t> earlier) const;
+  void add_new(std::uint32_t address, std::span<const std::uint8_t> data);
 
   const std::string& name_;
   std::string segment_, end_;
   int line_ = 0;
   bool ended_ = false;
   Image image_;
+  // Index of each segment by its address. The segments do not overlap.
+  std::map<std::uint64_t, std::size_t> by_address_;
 };
 
 }  // namespace kaz::h8s

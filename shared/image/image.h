@@ -77,7 +77,8 @@ Result<Image> parse_intel_hex(std::string_view text, const std::string& name);
 // 0x8303 and 0x8304 for 16-bit addresses.
 Result<Image> parse_coff(std::span<const std::uint8_t> bytes, const std::string& name);
 // Parses linked ELF32, big-endian, machine 46, with symbols. Reads the contents of the sections. If no
-// section has contents, reads the segments instead.
+// section has contents, reads the segments instead. Refuses a segment that is larger in the file than in
+// memory, or that ends beyond address 0xffffff.
 Result<Image> parse_elf(std::span<const std::uint8_t> bytes, const std::string& name);
 
 enum class Format { automatic, coff, elf, srecord, intel_hex, raw };

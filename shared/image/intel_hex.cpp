@@ -39,8 +39,7 @@ class Reader final : public HexRecords {
                    " bytes of data, " + std::to_string(wanted[type]) + " expected");
     switch (type) {
       case 0:
-        add(big(bytes.subspan(1, 2)), data);
-        break;
+        return add(big(bytes.subspan(1, 2)), data);
       case 1:
         ended();
         break;
@@ -63,11 +62,11 @@ class Reader final : public HexRecords {
   }
 
   // After a record 02 offsets wrap inside its 64 KiB.
-  void add(std::uint32_t offset, std::span<const std::uint8_t> data) {
+  Result<void> add(std::uint32_t offset, std::span<const std::uint8_t> data) {
     const std::size_t before =
         segmented_ ? std::min<std::size_t>(data.size(), 0x10000 - offset) : data.size();
-    append(base_ + offset, data.first(before));
-    append(base_, data.subspan(before));
+    KAZ_TRY(append(base_ + offset, data.first(before)));
+    return append(base_, data.subspan(before));
   }
 
   std::uint32_t base_ = 0;

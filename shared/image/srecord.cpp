@@ -58,7 +58,7 @@ class Reader final : public HexRecords {
       ended();
     } else if (type != '0') {
       ++data_records_;
-      append(address, data);
+      KAZ_TRY(append(address, data));
     }
     return {};
   }

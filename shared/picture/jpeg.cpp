@@ -12,11 +12,15 @@
 // After it: the codes of its messages.
 #include <jerror.h>
 
+#include "shared/picture/exif.h"
+
 namespace kaz::picture {
 namespace {
 
 // More than any program writes. Each costs a pass over all pixels, and may take a few bytes alone.
 constexpr int kMaxJpegScans = 100;
+
+constexpr unsigned kLongestSegment = 0xffff;  // bytes; the length field of a segment has 16 bits
 
 // libjpeg reports errors by longjmp into a member function of the classes below: nothing with a destructor
 // may live in its frame.
@@ -127,11 +131,17 @@ class JpegDecoder {
     progress_.progress_monitor = count_scans;
     jpeg_.progress = &progress_;
     jpeg_mem_src(&jpeg_, bytes_.data(), bytes_.size());
+    jpeg_save_markers(&jpeg_, JPEG_APP0 + 1, kLongestSegment);
     jpeg_read_header(&jpeg_, TRUE);
+    // Read here, because jpeg_finish_decompress() frees the segments.
+    if (const jpeg_saved_marker_ptr app1 = jpeg_.marker_list; app1 != nullptr)
+      orientation_ = exif_orientation({app1->data, app1->data_length});
     return true;
   }
   std::uint64_t width() const { return jpeg_.image_width; }
   std::uint64_t height() const { return jpeg_.image_height; }
+  // Orientation by the first APP1 segment, as OpenCV reads it.
+  int orientation() const { return orientation_; }
 
   // `rgb` has room for width() * height() * 3 bytes. False: what() is the reason.
   bool pixels(std::span<std::uint8_t> rgb) {
@@ -170,6 +180,7 @@ class JpegDecoder {
   std::span<const std::uint8_t> bytes_;
   JpegErrors errors_{};
   jpeg_progress_mgr progress_{};
+  int orientation_ = 1;
   jpeg_decompress_struct jpeg_{};
 };
 
@@ -197,7 +208,7 @@ Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limit
   Image picture{static_cast<int>(decoder.width()), static_cast<int>(decoder.height()), {}};
   picture.rgb.resize(decoder.width() * decoder.height() * 3);
   if (!decoder.pixels(picture.rgb)) return error(DecodeError::Kind::invalid);
-  return picture;
+  return turned_upright(std::move(picture), decoder.orientation());
 }
 
 }  // namespace kaz::picture

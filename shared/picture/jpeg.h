@@ -23,7 +23,8 @@ Result<std::vector<std::uint8_t>> encode_jpeg(const PixelView& pixels,
                                               const JpegSettings& settings = {});
 
 // Decodes to 8-bit RGB; gray becomes R = G = B. If libjpeg warns about truncated or damaged data, returns an
-// error. Pictures without Huffman tables (MJPEG of cameras) are decoded with the standard tables.
+// error. Pictures without Huffman tables (MJPEG of cameras) are decoded with the standard tables. A picture
+// with an EXIF orientation is turned upright, as OpenCV's imread does it.
 Decoded decode_jpeg(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {});
 
 }  // namespace kaz::picture

@@ -4,13 +4,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <string_view>
+#include <utility>
 
 #include <jpeglib.h>
 
 #include "shared/base/random.hpp"
+#include "shared/picture/exif.h"
 
 namespace kaz::picture {
 namespace {
@@ -158,6 +162,115 @@ TEST(Jpeg, DamagedBytesNeverDoHarm) {
     const auto read = decode_jpeg(bytes);
     if (read) {
       ASSERT_EQ(read->rgb.size(), static_cast<std::size_t>(read->width * read->height * 3));
+    }
+  }
+}
+
+// The data of an APP1 segment with a directory of two entries: the maker's name, and the orientation.
+Bytes exif(std::uint8_t orientation, bool little) {
+  const auto number = [&](Bytes& to, std::uint32_t value, int size) {
+    for (int k = 0; k < size; ++k)
+      to.push_back(static_cast<std::uint8_t>(value >> 8 * (little ? k : size - 1 - k)));
+  };
+  Bytes data{'E', 'x', 'i', 'f', 0, 0};
+  data.insert(data.end(), 2, little ? 'I' : 'M');
+  number(data, 42, 2), number(data, 8, 4), number(data, 2, 2);
+  number(data, 0x010F, 2), number(data, 2, 2), number(data, 4, 4), number(data, 0x6B617A00, 4);
+  number(data, 0x0112, 2), number(data, 3, 2), number(data, 1, 4), number(data, orientation, 2);
+  number(data, 0, 2), number(data, 0, 4);
+  return data;
+}
+
+// Puts an APP1 segment behind the start of the picture.
+Bytes with_app1(const Bytes& jpeg, std::span<const std::uint8_t> data) {
+  const std::size_t length = data.size() + 2;
+  Bytes bytes{0xFF,
+              0xD8,
+              0xFF,
+              0xE1,
+              static_cast<std::uint8_t>(length >> 8),
+              static_cast<std::uint8_t>(length)};
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  bytes.insert(bytes.end(), jpeg.begin() + 2, jpeg.end());
+  return bytes;
+}
+
+// The sides of the upright picture at which the first row and the first column of the file belong
+// (Exif 2.32, section 4.6.4).
+TEST(Jpeg, IsTurnedByItsExifOrientation) {
+  const Bytes jpeg = encoded(24, 20);
+  const auto stored = decode_jpeg(jpeg);
+  ASSERT_TRUE(stored);
+  constexpr struct {
+    std::string_view row, column;
+  } kSides[] = {{"top", "left"}, {"top", "right"}, {"bottom", "right"}, {"bottom", "left"},
+                {"left", "top"}, {"right", "top"}, {"right", "bottom"}, {"left", "bottom"}};
+  for (std::uint8_t orientation = 1; orientation <= 8; ++orientation) {
+    for (const bool little : {false, true}) {
+      const auto read = decode_jpeg(with_app1(jpeg, exif(orientation, little)));
+      ASSERT_TRUE(read) << read.error().reason;
+      const auto [row_side, column_side] = kSides[orientation - 1];
+      EXPECT_EQ(read->width, orientation < 5 ? 24 : 20);
+      EXPECT_EQ(read->height, orientation < 5 ? 20 : 24);
+      for (int row = 0; row < 20; ++row) {
+        for (int column = 0; column < 24; ++column) {
+          int x = 0, y = 0;
+          for (const auto& [side, at] : {std::pair{row_side, row}, {column_side, column}}) {
+            if (side == "left") x = at;
+            if (side == "right") x = read->width - 1 - at;
+            if (side == "top") y = at;
+            if (side == "bottom") y = read->height - 1 - at;
+          }
+          for (int c = 0; c < 3; ++c)
+            ASSERT_EQ(read->rgb[static_cast<std::size_t>(3 * (y * read->width + x) + c)],
+                      stored->rgb[static_cast<std::size_t>(3 * (row * 24 + column) + c)])
+                << int{orientation} << " " << row << " " << column;
+        }
+      }
+    }
+  }
+}
+
+TEST(Jpeg, InvalidExifTurnsNothing) {
+  const Bytes jpeg = encoded(24, 20);
+  const auto stored = decode_jpeg(jpeg);
+  ASSERT_TRUE(stored);
+  const auto expect_unturned = [&](std::span<const std::uint8_t> app1) {
+    EXPECT_EQ(exif_orientation(app1), 1);
+    const auto read = decode_jpeg(with_app1(jpeg, app1));
+    ASSERT_TRUE(read) << read.error().reason;
+    EXPECT_EQ(read->rgb, stored->rgb);
+  };
+  for (const bool little : {false, true}) {
+    const Bytes whole = exif(6, little);
+    EXPECT_EQ(exif_orientation(whole), 6);
+    for (const int value : {0, 9, 255})
+      expect_unturned(exif(static_cast<std::uint8_t>(value), little));
+    // Cut before the end of the value: "Exif", 8 + 2 bytes, an entry, and 10 bytes of the next.
+    for (std::size_t size = 0; size < 6 + 10 + 12 + 10; ++size)
+      expect_unturned(std::span(whole).first(size));
+    // A directory at the end of the range of offsets.
+    Bytes far = whole;
+    std::fill_n(far.begin() + 6 + 4, 4, std::uint8_t{0xFF});
+    expect_unturned(far);
+  }
+  Bytes xmp = exif(6, true);
+  xmp[0] = 'h';
+  expect_unturned(xmp);
+}
+
+TEST(Jpeg, DamagedExifNeverDoesHarm) {
+  Random random(11);
+  for (int round = 0; round < 20'000; ++round) {
+    Bytes app1 = exif(static_cast<std::uint8_t>(1 + random.below(8)), random.below(2) == 0);
+    for (int i = 0; i < 3; ++i)
+      app1[6 + random.below(static_cast<std::uint32_t>(app1.size() - 6))] =
+          static_cast<std::uint8_t>(random.below(256));
+    const Bytes part(app1.begin(),
+                     app1.begin() + random.below(static_cast<std::uint32_t>(app1.size() + 1)));
+    for (const Bytes& data : {app1, part}) {
+      const int orientation = exif_orientation(data);
+      ASSERT_TRUE(orientation >= 1 && orientation <= 8) << orientation;
     }
   }
 }

@@ -1,7 +1,8 @@
-// libpng: its simplified interface reads, its full one writes.
+// libpng, into and from memory.
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/picture/png.h"
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstdio>
 #include <new>
@@ -13,10 +14,11 @@
 namespace kaz::picture {
 namespace {
 
-// The simplified interface cannot write either: it has two compression levels only, and takes 16 bits as
-// linear light, for which it writes a gamma chunk.
+// The simplified interface of libpng is not used. Its writer has only two compression levels, and its writer
+// and reader take 16-bit samples as linear light. Its reader also blends or converts colors.
 //
-// libpng reports errors by longjmp into write(): nothing with a destructor may live in its frame.
+// libpng reports errors by longjmp into write(), header() or pixels(). No object with a destructor may live
+// in these frames.
 class PngEncoder {
  public:
   PngEncoder() {
@@ -83,6 +85,85 @@ class PngEncoder {
   png_infop info_ = nullptr;
 };
 
+// The caller allocates the pixels between header() and pixels().
+class PngDecoder {
+ public:
+  explicit PngDecoder(std::span<const std::uint8_t> bytes) : rest_(bytes) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, leave, warn);
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
+  }
+  ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngDecoder(const PngDecoder&) = delete;
+  PngDecoder& operator=(const PngDecoder&) = delete;
+
+  // Reads up to the first pixels. If it returns false, what() is the reason.
+  bool header() {
+    if (info_ == nullptr) return false;
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_read_fn(png_, this, copy);
+    png_set_benign_errors(png_, 1);  // as warnings
+    // Skips all chunks but IHDR, PLTE, tRNS, IDAT and IEND. A skipped chunk is never uncompressed.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    png_read_info(png_, info_);
+    width_ = png_get_image_width(png_, info_);
+    height_ = png_get_image_height(png_, info_);
+    return true;
+  }
+  std::uint64_t width() const { return width_; }
+  std::uint64_t height() const { return height_; }
+
+  // `rgb` has room for width() * height() * 3 bytes. If it returns false, what() is the reason.
+  bool pixels(std::span<std::uint8_t> rgb) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    const int type = png_get_color_type(png_, info_);
+    png_set_strip_16(png_);
+    if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png_);
+    if ((type & PNG_COLOR_MASK_COLOR) == 0) {
+      if (png_get_bit_depth(png_, info_) < 8) png_set_expand_gray_1_2_4_to_8(png_);
+      png_set_gray_to_rgb(png_);
+    }
+    png_set_strip_alpha(png_);
+    const int passes = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    const std::size_t row_bytes = png_get_rowbytes(png_, info_);
+    if (row_bytes != width_ * 3 || row_bytes * height_ != rgb.size())
+      png_error(png_, "its pixels do not match its size");
+    for (int pass = 0; pass < passes; ++pass) {
+      for (std::size_t y = 0; y < height_; ++y)
+        png_read_row(png_, rgb.data() + y * row_bytes, nullptr);
+    }
+    return true;
+  }
+  bool warned() const { return warned_; }
+  // The error, or else the first warning.
+  const char* what() const { return text_; }
+
+ private:
+  [[noreturn]] static void leave(png_structp png, png_const_charp message) {
+    auto* mine = static_cast<PngDecoder*>(png_get_error_ptr(png));
+    std::snprintf(mine->text_, sizeof mine->text_, "%s", message);
+    png_longjmp(png, 1);
+  }
+  static void warn(png_structp png, png_const_charp message) {
+    auto* mine = static_cast<PngDecoder*>(png_get_error_ptr(png));
+    if (!mine->warned_) std::snprintf(mine->text_, sizeof mine->text_, "%s", message);
+    mine->warned_ = true;
+  }
+  static void copy(png_structp png, png_bytep to, png_size_t size) {
+    auto& rest = static_cast<PngDecoder*>(png_get_io_ptr(png))->rest_;
+    if (rest.size() < size) png_error(png, "the file ends within the picture");
+    std::copy_n(rest.begin(), size, to);
+    rest = rest.subspan(size);
+  }
+
+  std::span<const std::uint8_t> rest_;
+  char text_[128] = "out of memory";
+  bool warned_ = false;
+  std::uint64_t width_ = 0, height_ = 0;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
 }  // namespace
 
 Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels, const PngSettings& settings) {
@@ -98,25 +179,16 @@ Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels, const PngS
 
 Decoded decode_png(std::span<const std::uint8_t> bytes, const SizeLimits& limits,
                    PngWarnings warnings) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  struct Release {
-    png_image& png;
-    ~Release() { png_image_free(&png); }
-  } const release{png};
+  PngDecoder decoder(bytes);
   const auto error = [&](DecodeError::Kind kind) {
-    return tl::unexpected(DecodeError{kind, png.message, png.width, png.height});
+    return tl::unexpected(DecodeError{kind, decoder.what(), decoder.width(), decoder.height()});
   };
-  if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()))
-    return error(DecodeError::Kind::invalid);
-  if (!within(limits, png.width, png.height)) return error(DecodeError::Kind::size);
-  png.format = PNG_FORMAT_RGB;
-  Image picture{static_cast<int>(png.width), static_cast<int>(png.height), {}};
-  picture.rgb.resize(PNG_IMAGE_SIZE(png));
-  const png_color black{0, 0, 0};
-  if (!png_image_finish_read(&png, &black, picture.rgb.data(), 0, nullptr))
-    return error(DecodeError::Kind::invalid);
-  if (warnings == PngWarnings::are_errors && png.warning_or_error != 0)
+  if (!decoder.header()) return error(DecodeError::Kind::invalid);
+  if (!within(limits, decoder.width(), decoder.height())) return error(DecodeError::Kind::size);
+  Image picture{static_cast<int>(decoder.width()), static_cast<int>(decoder.height()), {}};
+  picture.rgb.resize(decoder.width() * decoder.height() * 3);
+  if (!decoder.pixels(picture.rgb)) return error(DecodeError::Kind::invalid);
+  if (warnings == PngWarnings::are_errors && decoder.warned())
     return error(DecodeError::Kind::damaged);
   return picture;
 }

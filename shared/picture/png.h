@@ -28,7 +28,8 @@ Result<std::vector<std::uint8_t>> encode_png(const PixelView& pixels,
 // Reaction to libpng's warnings, for example to the warning about a wrong checksum after the last pixel.
 enum class PngWarnings { ignored, are_errors };
 
-// Decodes any PNG to 8-bit RGB: gray becomes R = G = B, 16 bits become 8, transparency is blended with black.
+// Decodes any PNG to 8-bit RGB, as OpenCV's imread does. Gray becomes R = G = B, and 16-bit samples lose
+// their low byte. Colors are the stored ones. Alpha, transparent colors and gamma chunks are ignored.
 Decoded decode_png(std::span<const std::uint8_t> bytes, const SizeLimits& limits = {},
                    PngWarnings warnings = PngWarnings::ignored);
 

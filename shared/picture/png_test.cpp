@@ -162,6 +162,81 @@ Bytes chunk(const std::string& type, std::span<const std::uint8_t> data) {
   return bytes;
 }
 
+// Colors below 200 and alpha from 0 to 255, so that blending and gamma correction would change them.
+Bytes with_alpha(png_uint_32 format, Bytes& samples) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = kWidth;
+  png.height = kHeight;
+  png.format = format;
+  samples = {};
+  const std::size_t channels = PNG_IMAGE_SAMPLE_CHANNELS(format);
+  for (std::size_t i = 0; i < kWidth * kHeight; ++i) {
+    for (std::size_t c = 0; c + 1 < channels; ++c)
+      samples.push_back(static_cast<std::uint8_t>((7 * i + 50 * c) % 200));
+    samples.push_back(static_cast<std::uint8_t>(i % 3 == 0 ? 0 : i % 256));
+  }
+  Bytes bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+  png_alloc_size_t size = bytes.size();
+  EXPECT_TRUE(png_image_write_to_memory(&png, bytes.data(), &size, 0, samples.data(), 0, nullptr));
+  bytes.resize(size);
+  return bytes;
+}
+
+TEST(Png, AlphaLeavesTheColorsAsTheyAre) {
+  Bytes samples;
+  const auto rgba = decode_png(with_alpha(PNG_FORMAT_RGBA, samples));
+  ASSERT_TRUE(rgba) << rgba.error().reason;
+  ASSERT_EQ(rgba->rgb.size(), samples.size() / 4 * 3);
+  for (std::size_t i = 0; i < rgba->rgb.size(); ++i)
+    ASSERT_EQ(rgba->rgb[i], samples[i / 3 * 4 + i % 3]) << i;
+  const auto gray = decode_png(with_alpha(PNG_FORMAT_GA, samples));
+  ASSERT_TRUE(gray) << gray.error().reason;
+  ASSERT_EQ(gray->rgb.size(), samples.size() / 2 * 3);
+  for (std::size_t i = 0; i < gray->rgb.size(); ++i)
+    ASSERT_EQ(gray->rgb[i], samples[i / 3 * 2]) << i;
+}
+
+// A palette of two colors; the first has alpha 0.
+TEST(Png, TransparentPaletteColorsAreKept) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = 2;
+  png.height = 1;
+  png.format = PNG_FORMAT_RGBA_COLORMAP;
+  png.colormap_entries = 2;
+  const std::uint8_t colors[] = {200, 30, 20, 0, 10, 150, 90, 255}, samples[] = {0, 1};
+  Bytes bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+  png_alloc_size_t size = bytes.size();
+  ASSERT_TRUE(png_image_write_to_memory(&png, bytes.data(), &size, 0, samples, 0, colors));
+  bytes.resize(size);
+  const auto picture = decode_png(bytes);
+  ASSERT_TRUE(picture) << picture.error().reason;
+  EXPECT_EQ(picture->rgb, (Bytes{200, 30, 20, 10, 150, 90}));
+}
+
+TEST(Png, SixteenBitsLoseTheirLowByte) {
+  for (const int channels : {1, 3}) {
+    const Bytes samples = samples_of(channels, 16);
+    const auto picture = decode_png(encoded(channels, 16));
+    ASSERT_TRUE(picture) << picture.error().reason;
+    for (std::size_t i = 0; i < picture->rgb.size(); ++i)
+      ASSERT_EQ(picture->rgb[i], samples[2 * (channels == 3 ? i : i / 3)]) << i;
+  }
+}
+
+// Inserted behind IHDR, which ends after 8 + 25 bytes.
+TEST(Png, ChunksForGammaAndTransparencyChangeNoColor) {
+  const Bytes gamma{0, 0, 0x4e, 0x20}, key{0, 0, 0, 0, 0, 1}, whole = encoded(3, 8);
+  for (const Bytes& part : {chunk("gAMA", gamma), chunk("tRNS", key)}) {
+    Bytes bytes = whole;
+    bytes.insert(bytes.begin() + 8 + 25, part.begin(), part.end());
+    const auto picture = decode_png(bytes, {}, PngWarnings::are_errors);
+    ASSERT_TRUE(picture) << picture.error().reason;
+    EXPECT_EQ(picture->rgb, samples_of(3, 8));
+  }
+}
+
 // zlib's checksum, the last 4 bytes of the data, in a chunk of its own: libpng has all pixels before it
 // reads that. The encoder writes one IDAT; in front of it are its length and type, behind it CRC and IEND.
 TEST(Png, WrongChecksumOfThePixelsIsAWarning) {

@@ -127,7 +127,7 @@ struct Reader {
 Result<BusFile> parse_bus_file(const std::string& path, const std::string& text) {
   const Reader reader{path};
   const auto parsed = parse_bounded_json(text);
-  if (!parsed) return reader.error("is not a JSON object: " + parsed.error().message);
+  if (!parsed) return reader.error(parsed.error().message);
   const json& all = *parsed;
   if (!all.is_object()) return reader.error("is not a JSON object");
   KAZ_TRY(

@@ -70,7 +70,9 @@ TEST(BusFile, RefusesWithAReason) {
   };
   ASSERT_TRUE(parse_bus_file("bus.json", file(servo)));
   const std::pair<std::string, std::string> wrong[] = {
-      {"", "not a JSON object"},
+      {"", "bus.json: line 1 is not valid JSON"},
+      {R"({"supply_volts": 1e999})", "bus.json: line 1: the number 1e999 is too large"},
+      {R"({"baud": 1, "baud": 2})", "bus.json: the key \"baud\" occurs twice"},
       {"[]", "not a JSON object"},
       {R"({"protocol": "can", "supply_volts": 7, "servos": []})", "\"feetech\" or \"dynamixel\""},
       {file(""), "missing or empty"},

@@ -13,10 +13,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Result<Json> parse_object(const std::string& text, const std::string& name) {
-  Json json = parse_bounded_json<Json>(text).value_or(nullptr);
-  if (!json.is_object())
-    return fail(Fault::usage, name + ": is damaged; remove it and run the campaign again");
-  return json;
+  Result<Json> json = parse_bounded_json<Json>(text);
+  if (json && json->is_object()) return json;
+  const std::string why = json ? "not a JSON object" : json.error().message;
+  return fail(Fault::usage,
+              name + ": is damaged (" + why + "); remove the file and run the campaign again");
 }
 
 struct Field {

@@ -124,6 +124,11 @@ TEST(EpisodeFile, NamesFileAndFieldThatIsWrong) {
     }
   }
   EXPECT_FALSE(parse_episode("{\"episode\":", "1.json"));
+  const auto twice = parse_episode(R"({"episode": 1, "episode": 2})", "1.json");
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().message,
+            "1.json: is damaged (the key \"episode\" occurs twice in one object; remove one); "
+            "remove the file and run the campaign again");
   EXPECT_FALSE(parse_campaign("{}", "campaign.json"));
 }
 

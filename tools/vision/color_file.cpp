@@ -47,7 +47,9 @@ Result<vision::ColorRange> read_color(const std::string& path) {
 
 Result<vision::ColorRange> parse_color(const std::string& content, const std::string& name) {
   const auto bad = [&](const std::string& what) { return fail(Fault::usage, name + ": " + what); };
-  const auto json = parse_bounded_json(content).value_or(nullptr);
+  const auto parsed = parse_bounded_json(content);
+  if (!parsed) return bad(parsed.error().message);
+  const nlohmann::json& json = *parsed;
   if (!json.is_object()) return bad("not a JSON object of color thresholds");
   vision::ColorRange range;
   bool any = false;

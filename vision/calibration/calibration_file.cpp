@@ -93,6 +93,8 @@ class Reader {
     if (found == entries_.end()) return bad(std::string(key) + " is missing");
     const CalibrationEntry& entry = found->second;
     if (entry.times > 1) return bad(std::string("has ") + key + " twice");
+    if (!entry.repeated.empty())
+      return bad(std::string(key) + " has " + std::string(entry.repeated) + " twice; remove one");
     if (!entry.closed) return bad(std::string("ends within ") + key);
     if (entry.list == (counts.front() == 1))
       return bad(std::string(key) + (entry.list ? " is not a number" : " is not a matrix"));

@@ -134,6 +134,7 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   expect("camera_matrix_left", "1., 0., 0.", "3 numbers");
   expect("camera_matrix_left", "0., 0., 5., 0., 9., 5., 0., 0., 1.", "not above 0");
   expect("camera_matrix_left", "9., 1., 5., 0., 9., 5., 0., 0., 1.", "the form [fx");
+  expect("camera_matrix_right", "9., 0., 1e999, 0., 9., 5., 0., 0., 1.", "exceeds 1e12");
   expect("camera_matrix_right", ".Nan, 0., 5., 0., 9., 5., 0., 0., 1.", "not finite");
   expect("camera_matrix_right", "9., 0., .Inf, 0., 9., 5., 0., 0., 1.", "not finite");
   expect("camera_matrix_right", "a, 0., 5., 0., 9., 5., 0., 0., 1.", "not a number");
@@ -164,6 +165,13 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   EXPECT_NE(message("hello").find("eyes.yml: "), std::string::npos);
   EXPECT_NE(message(std::string(30000, '[')).find("eyes.yml: "), std::string::npos);
   EXPECT_NE(message(whole + "R: 3\n").find("has R twice"), std::string::npos);
+  for (const std::string more : {"data: [ 1, 0, 0, 0, 1, 0, 0, 0, 1 ]", "rows: 3", "cols: 3"}) {
+    std::string twice = whole;
+    twice.insert(twice.find("rows:", twice.find("\nR: ")), more + "\n   ");
+    const std::string keyword = more.substr(0, more.find(':'));
+    EXPECT_NE(message(twice).find("eyes.yml: R has " + keyword + " twice"), std::string::npos)
+        << message(twice);
+  }
   EXPECT_NE(message("%YAML:1.0\n---\nimage_width: [ 320 ]\n").find("image_width is not a number"),
             std::string::npos);
   EXPECT_NE(message(std::string(100000, 'x')).find("64 KB"), std::string::npos);

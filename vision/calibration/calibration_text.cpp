@@ -80,7 +80,9 @@ std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::strin
       if (++entry->times > 1) continue;
     }
     if (entry != nullptr && entry->times == 1 && (word == "rows" || word == "cols")) {
-      (word == "rows" ? entry->rows : entry->cols) = words.next();
+      std::string_view& count = word == "rows" ? entry->rows : entry->cols;
+      if (!count.empty()) entry->repeated = word;
+      count = words.next();
       continue;
     }
     if (entry == nullptr || of_a_matrix(word)) continue;
@@ -91,6 +93,7 @@ std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::strin
       continue;
     }
     words.next();
+    if (entry->list) entry->repeated = word;
     entry->list = true;
     entry->closed = false;
     entry->values.clear();

@@ -21,6 +21,8 @@ struct CalibrationEntry {
   bool list = false;   // true: the values are within brackets
   bool closed = true;  // false: the file ends within the list
   int times = 0;       // number of occurrences of the key
+  // The matrix keyword that occurs twice, such as "data", or empty.
+  std::string_view repeated;
 };
 
 // Returns the entries by key. The entries contain views into `content`, which must outlive the entries.

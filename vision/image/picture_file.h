@@ -18,7 +18,7 @@ namespace kaz::vision {
 inline constexpr int kLargestPictureSide = picture::kMaxSide;  // px
 
 // Reads a picture. Gray becomes RGB with equal components, transparency is ignored, and 16-bit samples are
-// reduced to 8 bits. Errors name the file and the defect.
+// reduced to 8 bits. A JPEG with an EXIF orientation is turned upright. Errors name the file and the defect.
 Result<Image> read_picture(const std::string& path);
 // Like read_picture(), but for the content of a file. Errors contain `name`.
 Result<Image> decode_picture(std::span<const std::uint8_t> bytes, const std::string& name);

@@ -65,6 +65,35 @@ TEST(IntelHex, ErrorsNameLineAndFault) {
   }
 }
 
+TEST(IntelHex, LinesMayEndWithCrAlone) {
+  const auto image = parse_intel_hex(":0100000055AA\r:00000001FF\r", "t.hex");
+  ASSERT_TRUE(image.has_value()) << image.error().message;
+  EXPECT_EQ(image->segments[0].bytes, Bytes{0x55});
+  const auto bad = parse_intel_hex(":0100000055AA\r:00000001FE\r", "t.hex");
+  ASSERT_FALSE(bad.has_value());
+  EXPECT_EQ(bad.error().message, "t.hex:2: wrong checksum");
+}
+
+TEST(IntelHex, RepeatedBytesMustBeEqual) {
+  const std::string first = ":0400000000001000EC\n", end = ":00000001FF\n";
+  const auto equal = parse_intel_hex(first + ":020001000010ED\n" + end, "t.hex");
+  ASSERT_TRUE(equal.has_value()) << equal.error().message;
+  ASSERT_EQ(equal->segments.size(), 1u);
+  EXPECT_EQ(equal->segments[0].bytes, (Bytes{0, 0, 0x10, 0}));
+  const auto other = parse_intel_hex(first + ":020001000011EC\n" + end, "t.hex");
+  ASSERT_FALSE(other.has_value());
+  EXPECT_EQ(other.error().message,
+            "t.hex:2: address 000002 gets the value 11, but an earlier record has set it to 10; "
+            "remove one of these records");
+  // Segment 1000: offset ffff wraps to offset 0, which the record before has set.
+  const auto wrapped =
+      parse_intel_hex(":020000021000EC\n:01000000CC33\n:02FFFF00AABB9B\n" + end, "t.hex");
+  ASSERT_FALSE(wrapped.has_value());
+  EXPECT_NE(wrapped.error().message.find("t.hex:3: address 010000 gets the value bb"),
+            std::string::npos)
+      << wrapped.error().message;
+}
+
 void put16(Bytes& b, unsigned v) {
   b.push_back(static_cast<std::uint8_t>(v >> 8));
   b.push_back(static_cast<std::uint8_t>(v));
@@ -124,6 +153,31 @@ TEST(Elf, SegmentsWhereThereAreNoSections) {
   ASSERT_EQ(image->segments.size(), 1u);
   EXPECT_EQ(image->segments[0].run_address, 0x400u);
   EXPECT_EQ(image->segments[0].bytes.size(), 8u);
+}
+
+// The sizes of the program header are at 52 + 16 (p_filesz) and 52 + 20 (p_memsz).
+TEST(Elf, SegmentsMustFitTheMemory) {
+  const auto message = [](std::uint32_t address, std::uint32_t memory_size, bool sections) {
+    Bytes b = small_elf(), fields;
+    put_words(fields, {address, address, 8, memory_size});
+    std::copy(fields.begin(), fields.end(), b.begin() + 52 + 8);
+    if (!sections) b[48] = b[49] = 0;
+    const auto image = parse_elf(b, "t.elf");
+    return image ? "" : image.error().message;
+  };
+  for (const bool sections : {true, false}) {
+    EXPECT_EQ(message(0x400, 8, sections), "");
+    EXPECT_EQ(message(0x400, 7, sections),
+              "t.elf: at offset 0x34: the segment at address 0x400 has p_memsz 0x7: must be at "
+              "least its p_filesz 0x8; link the program again");
+    EXPECT_EQ(message(0x400, 0x1000000 - 0x400, sections), "");
+    for (const std::uint32_t size : {0x1000000u - 0x3ff, 0x7fffffffu, 0xffffffffu})
+      EXPECT_NE(message(0x400, size, sections).find("must end at or below 0xffffff"),
+                std::string::npos);
+    EXPECT_EQ(message(0xfffffff8, 8, sections),
+              "t.elf: at offset 0x34: the segment at address 0xfffffff8 has p_memsz 0x8: must end "
+              "at or below 0xffffff, the last address of the chip; check the linker script");
+  }
 }
 
 TEST(Elf, ErrorsSayWhatIsExpected) {

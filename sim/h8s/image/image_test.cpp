@@ -48,6 +48,58 @@ TEST(SRecord, ErrorsNameLineAndFault) {
   }
 }
 
+TEST(SRecord, LinesEndWithLfOrCrLfOrCr) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const std::string first = "S0030000FC" + end + "S107000000001000E8" + end;
+    for (const std::string& last : {"S9030000FC" + end, std::string("S9030000FC")}) {
+      const auto image = parse_srecord(first + end + last, "t.srec");
+      ASSERT_TRUE(image.has_value()) << image.error().message;
+      ASSERT_EQ(image->segments.size(), 1u);
+      EXPECT_EQ(image->segments[0].bytes, (std::vector<std::uint8_t>{0, 0, 0x10, 0}));
+    }
+    const auto bad = parse_srecord(first + end + "S9030000FD" + end, "t.srec");
+    ASSERT_FALSE(bad.has_value());
+    EXPECT_EQ(bad.error().message, "t.srec:4: wrong checksum");
+    const auto cut = parse_srecord(first + "S90300", "t.srec");
+    ASSERT_FALSE(cut.has_value());
+    EXPECT_EQ(cut.error().message,
+              "t.srec:3: length byte is 3, but the line has 1 bytes; the file ends within this "
+              "line: it seems cut off");
+  }
+}
+
+TEST(SRecord, RepeatedBytesMustBeEqual) {
+  const std::string first = "S107000000001000E8\n", end = "S9030000FC\n";
+  // Repeats addresses 1 and 2; repeats address 3 and adds 4.
+  const auto equal = parse_srecord(first + "S10500010010E9\nS105000300AA4D\n" + end, "t.srec");
+  ASSERT_TRUE(equal.has_value()) << equal.error().message;
+  ASSERT_EQ(equal->segments.size(), 1u);
+  EXPECT_EQ(equal->segments[0].bytes, (std::vector<std::uint8_t>{0, 0, 0x10, 0, 0xaa}));
+  const auto other = parse_srecord(first + "S10500010011E8\n" + end, "t.srec");
+  ASSERT_FALSE(other.has_value());
+  EXPECT_EQ(other.error().message,
+            "t.srec:2: address 000002 gets the value 11, but an earlier record has set it to 10; "
+            "remove one of these records");
+}
+
+TEST(SRecord, BytesBelowAnEarlierRecordMustAgreeWithIt) {
+  const std::string first = "S1050010AABB85\n", end = "S9030000FC\n";
+  const auto equal = parse_srecord(first + "S107000E0102AABB82\n" + end, "t.srec");
+  ASSERT_TRUE(equal.has_value()) << equal.error().message;
+  ASSERT_EQ(equal->segments.size(), 2u);
+  EXPECT_EQ(equal->segments[1].load_address, 0xeu);
+  EXPECT_EQ(equal->segments[1].bytes, (std::vector<std::uint8_t>{1, 2}));
+  const auto other = parse_srecord(first + "S107000E0102AABC81\n" + end, "t.srec");
+  ASSERT_FALSE(other.has_value());
+  EXPECT_NE(other.error().message.find("t.srec:2: address 000011 gets the value bc"),
+            std::string::npos)
+      << other.error().message;
+  const auto beyond = parse_srecord("S307FFFFFFFFAABB97\n" + end, "t.srec");
+  ASSERT_FALSE(beyond.has_value());
+  EXPECT_NE(beyond.error().message.find("end beyond ffffffff"), std::string::npos);
+  EXPECT_TRUE(parse_srecord("S306FFFFFFFFAA53\n" + end, "t.srec").has_value());
+}
+
 TEST(Load, RefusesWhatDoesNotFitTheFlash) {
   Chip chip;
   Image image;

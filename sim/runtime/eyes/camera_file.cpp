@@ -63,8 +63,8 @@ Result<CameraFile> CameraFile::load(const std::string& path) {
       read_whole_file(path, max_bytes, "give a camera file such as shared/robot/kaz/camera.json"));
   const auto parsed = parse_bounded_json(text);
   if (!parsed)
-    return fail(Fault::usage, path + ": is not a JSON object (" + parsed.error().message +
-                                  "); see shared/robot/kaz/camera.json");
+    return fail(Fault::usage,
+                path + ": " + parsed.error().message + "; see shared/robot/kaz/camera.json");
   const nlohmann::json& json = *parsed;
   if (!json.is_object())
     return fail(Fault::usage, path + ": is not a JSON object; see shared/robot/kaz/camera.json");

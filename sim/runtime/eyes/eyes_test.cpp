@@ -288,6 +288,17 @@ TEST(CameraFile, IsReadAndChecked) {
   EXPECT_EQ(wrong.error().fault, Fault::usage);
   EXPECT_NE(wrong.error().message.find("\"width\""), std::string::npos);
   EXPECT_FALSE(CameraFile::load(folder.file("none.json")));
+
+  const std::pair<std::string, std::string> invalid[] = {
+      {"1e999", ": line 1: the number 1e999 is too large"},
+      {R"(320, "width": 640)", ": the key \"width\" occurs twice"}};
+  for (const auto& [width, reason] : invalid) {
+    write(width);
+    const auto read = CameraFile::load(path);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().fault, Fault::usage);
+    EXPECT_TRUE(read.error().message.starts_with(path + reason)) << read.error().message;
+  }
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/motion/balance.h"
+#include "shared/base/bounded_json.hpp"
 #include "shared/base/enum_names.hpp"
 #include "shared/base/files.hpp"
 #include "shared/base/random.hpp"
@@ -125,7 +126,7 @@ Result<void> train(const Arguments& a, const std::string& command) {
   const std::string state_file = a.out + "/state.json";
   if (fs::exists(state_file)) {
     const auto state =
-        nlohmann::json::parse(KAZ_TRY(read_whole_file(state_file, 1 << 24)), nullptr, false);
+        parse_bounded_json(KAZ_TRY(read_whole_file(state_file, 1 << 24))).value_or(nullptr);
     if (!state.is_object() || state.value("problem", nlohmann::json()) != problem_of(a))
       return fail(
           Fault::usage,
@@ -253,7 +254,8 @@ int main(int argc, char** argv) {
   return studies::run_program(app, "train_balance", argc, argv, [&]() -> Result<void> {
     if (a.population % 2 != 0) return fail(Fault::usage, "--population: give an even number");
     a.mcu = parse_enum(sim::kMcuKinds, a.mcu_name).value();
-    return a.test.empty() ? train(a, "./tools/dev study train-balance --seed " + std::to_string(a.seed))
-                          : test(a);
+    return a.test.empty()
+               ? train(a, "./tools/dev study train-balance --seed " + std::to_string(a.seed))
+               : test(a);
   });
 }

@@ -88,7 +88,11 @@ TEST(Poses, WrongOnesAreRefusedBeforeAnythingMoves) {
            more + "]}";
   };
   for (const auto& [text, hint] : std::map<std::string, std::string>{
-           {"", "is not a JSON object"},
+           {"", "bad.json: line 1 is not valid JSON"},
+           {poses(R"({"time_s": 1, "angles_rad": {"neck_pan": 1e999}})"),
+            "bad.json: line 1: the number 1e999 is too large"},
+           {poses(R"({"time_s": 1, "angles_rad": {"neck_pan": 0, "neck_pan": 0.5}})"),
+            "bad.json: the key \"neck_pan\" occurs twice"},
            {poses(R"({"time_s": 1, "angles_rad": {"wing": 0}})"),
             "\"wing\", which this robot does not have"},
            {poses(R"({"time_s": 1, "angles_rad": {"r_sh_pitch": 2}})"),

@@ -316,7 +316,13 @@ TEST(VisionVerb, RefusesInOneSentence) {
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--modules", "smell"}), 2,
                  {"smell", "color"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60", "--color", folder / "bad/1.png"}), 2,
-                 {"1.png", "not a JSON object"});
+                 {"1.png", "is not valid JSON"});
+  write_file(folder / "color.json", R"({"hue_min": 1, "hue_max": 1e999})");
+  expect_refusal(look({"--in", folder / "bad", "--view", "60", "--color", folder / "color.json"}),
+                 2, {"color.json", "line 1: the number 1e999 is too large"});
+  write_file(folder / "color.json", R"({"hue_min": 1, "hue_min": 2, "hue_max": 2})");
+  expect_refusal(look({"--in", folder / "bad", "--view", "60", "--color", folder / "color.json"}),
+                 2, {"color.json", "the key \"hue_min\" occurs twice"});
   expect_refusal(look({"--in", folder / "bad", "--calibration", folder / "bad/1.png"}), 2,
                  {"1.png", "image_width is missing"});
   expect_refusal(look({"--in", folder / "bad", "--view", "60"}), 1,
