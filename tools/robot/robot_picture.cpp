@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/robot/robot_picture.h"
 
+#include <algorithm>
+
+#include "sim/render/camera.h"
 #include "sim/render/renderer.h"
-#include "tools/run/outside_view.h"
 
 namespace kaz::tools {
 namespace {
@@ -20,6 +22,19 @@ std::vector<sim::Visual> looks_of(const sim::RigidLink& link) {
     look.shape = collision.shape;
   }
   return looks;
+}
+
+// A view from the front right and from above, which contains the whole box.
+sim::View view_of(const Eigen::AlignedBox3d& box, int width) {
+  constexpr double kFieldOfView_rad = 0.78, kDistance = 1.3;  // in diagonals of the box
+  const Eigen::Vector3d direction = Eigen::Vector3d(1.3, -0.65, 0.8).normalized();
+  const double diagonal_m = std::max(box.diagonal().norm(), 0.05);
+  sim::View view;
+  view.camera = sim::camera_of_view(width, 3 * width / 4, kFieldOfView_rad);
+  view.samples_per_axis = 2;
+  view.world_from_optical =
+      sim::look_at(box.center() + kDistance * diagonal_m * direction, box.center());
+  return view;
 }
 
 }  // namespace
@@ -39,13 +54,12 @@ Result<vision::Image> robot_picture(const sim::RobotModel& robot, int width) {
   }
   if (scene.visuals.empty())
     return fail(Fault::usage, "the robot has no visuals and no collision shapes to draw");
-  Framing framing = framing_of(scene, pose);
-  const Eigen::AlignedBox3d shapes = robot.extent();
-  if (!shapes.isEmpty()) framing = {shapes.center(), shapes.diagonal().norm()};
+  Eigen::AlignedBox3d box = robot.extent();
+  for (const Eigen::Isometry3d& frame : pose.frames) box.extend(frame.translation());
   auto renderer = KAZ_TRY(sim::make_raster_renderer());
   KAZ_TRY(renderer->set_scene(scene));
   vision::Image picture;
-  KAZ_TRY(renderer->render(pose, outside_view(scene, framing, width), picture));
+  KAZ_TRY(renderer->render(pose, view_of(box, width), picture));
   return picture;
 }
 
