@@ -110,24 +110,29 @@ class Loader {
   Result<void> schema(Bytes content) {
     Fields fields(content);
     const auto id = fields.number<std::uint16_t>();
-    fields.array();  // name
-    fields.array();  // encoding
-    fields.array();  // text
+    McapRecording::Schema schema;
+    schema.name = fields.text();
+    schema.encoding = fields.text();
+    schema.text = fields.text();
     if (!fields.whole()) return too_short("schema");
     if (id == 0) return malformed("a schema has number 0");
+    const auto [known, added] = to_.schemas.try_emplace(id, schema);
+    if (!added && known->second != schema)
+      return malformed("schema " + std::to_string(id) + " is defined twice");
     return {};
   }
 
   Result<void> channel(Bytes content) {
     Fields fields(content);
     const auto id = fields.number<std::uint16_t>();
-    fields.number<std::uint16_t>();  // schema
+    McapRecording::Encoding encoding;
+    encoding.schema = fields.number<std::uint16_t>();
     const std::string topic = fields.text();
-    fields.array();  // encoding
+    encoding.message = fields.text();
     fields.array();  // metadata
     if (!fields.whole()) return too_short("channel");
-    const auto [known, added] = to_.topics.try_emplace(id, topic);
-    if (!added && known->second != topic)
+    const auto known = to_.topics.try_emplace(id, topic).first;
+    if (to_.encodings.try_emplace(id, encoding).first->second != encoding || known->second != topic)
       return malformed("channel " + std::to_string(id) + " is defined twice");
     return {};
   }
@@ -143,9 +148,6 @@ class Loader {
     if (!to_.topics.contains(message.channel))
       return malformed("a message belongs to channel " + std::to_string(message.channel) +
                        ", which is not defined");
-    if (message.time_ns > McapRecording::kMaxTime_ns)
-      return malformed("the time of a message is " + std::to_string(message.time_ns) +
-                       " ns, more than a year after the start");
     if (message.time_ns < first_ns_ || message.time_ns > last_ns_)
       return malformed("the time of a message is outside its chunk's range");
     message.data.assign(fields.rest().begin(), fields.rest().end());
@@ -155,7 +157,7 @@ class Loader {
 
   Result<void> metadata(Bytes content) {
     Fields fields(content);
-    fields.array();  // name
+    const std::string name = fields.text();
     Fields map(fields.array());
     if (!fields.whole()) return too_short("metadata record");
     while (map.good() && !map.rest().empty()) {
@@ -168,6 +170,7 @@ class Loader {
         return malformed("more than " + std::to_string(McapRecording::kMaxFacts) +
                          " metadata entries");
     }
+    to_.has_kaz_metadata = to_.has_kaz_metadata || name == "kaz";
     return {};
   }
 
@@ -265,6 +268,24 @@ std::uint64_t McapRecording::end_ns() const {
   return end;
 }
 
+std::uint64_t McapRecording::duration_ns() const {
+  const std::uint64_t end = end_ns();
+  std::uint64_t begin = has_kaz_metadata ? 0 : end;
+  for (const Message& message : messages) begin = std::min(begin, message.time_ns);
+  return end - begin;
+}
+
+Result<void> McapRecording::check_run(const std::string& name) const {
+  if (!has_kaz_metadata && (whole || !messages.empty()))
+    return fail(Fault::usage, name +
+                                  ": is an MCAP file of another program, and this command needs a "
+                                  "recording of Kaz; give a recording.mcap written by kaz");
+  if (const std::uint64_t end = end_ns(); end > kMaxTime_ns)
+    return fail(Fault::usage, name + ": the time of a message is " + std::to_string(end) +
+                                  " ns, more than a year after the start; record the run again");
+  return {};
+}
+
 Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name) {
   if (bytes.size() > kMaxBytes) return too_large(name);
   if (!has_magic(bytes)) return no_mcap(name);
@@ -294,6 +315,12 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
     if (bytes.size() > kMaxBytes) return too_large(path);
   }
   return parse(bytes, path);
+}
+
+Result<McapRecording> McapRecording::load_run(const std::string& path) {
+  auto recording = KAZ_TRY(load(path));
+  KAZ_TRY(recording.check_run(path));
+  return recording;
 }
 
 }  // namespace kaz::sim

@@ -184,6 +184,23 @@ TEST(HostileFiles, RecordingsAreRefusedAtOnce) {
   expect_sentence(run(kaz({"replay", "/dev/zero"}), kAtMost), 2, "/dev/zero");
 }
 
+// A file of ROS 2 is not malformed.
+TEST(HostileFiles, RecordingsOfOtherProgramsAreNamedAsSuch) {
+  const TemporaryFolder folder;
+  const string file = folder / "other.mcap", second = folder / "second.mcap";
+  constexpr std::uint64_t kIn2024_ns = 1'700'000'000'000'000'000;
+  for (const string& path : {file, second})
+    write_file(path, mcap(schema() + channel(1, "/x") +
+                          chunk(message(1, kIn2024_ns, "x"), kIn2024_ns, kIn2024_ns) + data_end()));
+  for (const auto& arguments :
+       {std::vector<string>{"replay", file}, std::vector<string>{"compare", file, second},
+        std::vector<string>{"vision", "run", "--in", file, "--out", folder / "found"}}) {
+    const Finished refused = run(kaz(arguments), kAtMost);
+    expect_sentence(refused, 2, file);
+    EXPECT_NE(refused.err.find("is an MCAP file of another program"), string::npos) << refused.err;
+  }
+}
+
 // The camera of a recording: both pictures are there, its numbers are none.
 TEST(HostileFiles, CamerasOfRecordingsAreRefused) {
   const TemporaryFolder folder;

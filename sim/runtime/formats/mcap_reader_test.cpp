@@ -1,0 +1,153 @@
+// Files of other programs, with times since 1970.
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/formats/mcap_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/runtime/formats/little_endian.h"
+
+namespace kaz::sim {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::uint64_t kIn2024_ns = 1'700'000'000'000'000'000;
+
+Bytes operator+(Bytes front, const Bytes& back) {
+  front.insert(front.end(), back.begin(), back.end());
+  return front;
+}
+
+Bytes record(std::uint8_t opcode, const Bytes& content) {
+  Bytes bytes{opcode};
+  LittleEndian(bytes).number(std::uint64_t{content.size()}).bytes(content);
+  return bytes;
+}
+
+Bytes schema(const std::string& text = "float64 data") {
+  Bytes bytes;
+  LittleEndian(bytes).number(std::uint16_t{1}).text("std_msgs/Float64").text("ros1msg").text(text);
+  return record(0x03, bytes);
+}
+
+Bytes channel(std::uint16_t number, const std::string& topic, std::uint16_t schema = 1) {
+  Bytes bytes;
+  LittleEndian(bytes).number(number).number(schema).text(topic).text("ros1").text("");
+  return record(0x04, bytes);
+}
+
+Bytes message(std::uint16_t channel, std::uint64_t time_ns, const Bytes& data) {
+  Bytes bytes;
+  LittleEndian(bytes)
+      .number(channel)
+      .number(std::uint32_t{0})
+      .number(time_ns)
+      .number(time_ns)
+      .bytes(data);
+  return record(0x05, bytes);
+}
+
+Bytes metadata(const std::string& name, const std::string& value) {
+  Bytes entry, bytes;
+  LittleEndian(entry).text("key").text(value);
+  LittleEndian(bytes).text(name).number(static_cast<std::uint32_t>(entry.size())).bytes(entry);
+  return record(0x0C, bytes);
+}
+
+// A whole file with these records.
+Bytes mcap(const Bytes& records) {
+  Bytes header;
+  LittleEndian(header).text("ros1").text("another program");
+  return Bytes{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'} + record(0x01, header) + records +
+         record(0x0F, Bytes(4));
+}
+
+std::string refusal(const Bytes& file) {
+  const auto read = McapRecording::parse(file, "a.mcap");
+  if (read) return "";
+  EXPECT_EQ(read.error().fault, Fault::usage);
+  return read.error().message;
+}
+
+// Two messages of one topic, 2.5 s apart.
+Bytes content() {
+  return schema() + channel(1, "/x") + message(1, kIn2024_ns, Bytes(8, 1)) +
+         message(1, kIn2024_ns + 2'500'000'000, Bytes(1000, 2));
+}
+
+void expect_content(const Bytes& file) {
+  const auto read = McapRecording::parse(file, "a.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->whole);
+  EXPECT_EQ(read->damaged_chunks, 0u);
+  ASSERT_EQ(read->messages.size(), 2u);
+  EXPECT_EQ(read->messages[0].time_ns, kIn2024_ns);
+  EXPECT_EQ(read->messages[0].data, Bytes(8, 1));
+  EXPECT_EQ(read->messages[1].data, Bytes(1000, 2));
+  EXPECT_EQ(read->duration_ns(), 2'500'000'000u);
+  EXPECT_EQ(read->topics, (std::map<std::uint16_t, std::string>{{1, "/x"}}));
+  EXPECT_EQ(read->encodings.at(1), (McapRecording::Encoding{"ros1", 1}));
+  EXPECT_EQ(read->schemas.at(1),
+            (McapRecording::Schema{"std_msgs/Float64", "ros1msg", "float64 data"}));
+}
+
+TEST(McapReader, ReadsTimesSince1970) {
+  expect_content(mcap(content()));
+}
+
+TEST(McapReader, RecordsOfAnotherProgramAreNoRun) {
+  const auto refused = [&](const Bytes& file) -> std::string {
+    const auto read = McapRecording::parse(file, "a.mcap");
+    EXPECT_TRUE(read);
+    const auto is_run = read ? read->check_run("a.mcap") : Result<void>();
+    return is_run ? "" : is_run.error().message;
+  };
+  const std::string another =
+      "a.mcap: is an MCAP file of another program, and this command needs a recording of Kaz; give "
+      "a "
+      "recording.mcap written by kaz";
+  EXPECT_EQ(refused(mcap(content())), another);
+  EXPECT_EQ(refused(mcap({})), another);
+  const Bytes soon = schema() + channel(1, "/x") + message(1, 7, {});
+  EXPECT_EQ(refused(mcap(metadata("rosbag2", "") + soon)), another);
+  EXPECT_EQ(refused(mcap(metadata("kaz", "") + soon)), "");
+  EXPECT_EQ(
+      refused(mcap(metadata("kaz", "") + content())),
+      "a.mcap: the time of a message is 1700000002500000000 ns, more than a year after the start; "
+      "record the run again");
+  // Without any message, the command says what is missing.
+  Bytes cut_off = mcap({});
+  cut_off.resize(20);
+  EXPECT_EQ(refused(cut_off), "");
+}
+
+TEST(McapReader, ARecordingOfKazBeginsAtZero) {
+  const Bytes later = schema() + channel(1, "/x") + message(1, 40, {}) + message(1, 30, {});
+  const auto own = McapRecording::parse(mcap(metadata("kaz", "") + later), "a.mcap");
+  ASSERT_TRUE(own);
+  EXPECT_EQ(own->duration_ns(), 40u);
+  const auto other = McapRecording::parse(mcap(later), "a.mcap");
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->duration_ns(), 10u);
+  const auto none = McapRecording::parse(mcap({}), "a.mcap");
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->duration_ns(), 0u);
+}
+
+// As in files of writers that repeat schemas and channels in each chunk.
+TEST(McapReader, RepeatedRecordsMayAgree) {
+  const auto read = McapRecording::parse(mcap(content() + content()), "a.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->messages.size(), 4u);
+  EXPECT_NE(refusal(mcap(schema() + schema("int8 a"))).find("schema 1 is defined twice"),
+            std::string::npos);
+  for (const Bytes& again : {channel(1, "/y"), channel(1, "/x", 2)})
+    EXPECT_NE(refusal(mcap(content() + again)).find("channel 1 is defined twice"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace kaz::sim
