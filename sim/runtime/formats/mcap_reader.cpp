@@ -81,6 +81,12 @@ class Loader {
     return malformed(std::string("the fields of a ") + record + " do not match its length");
   }
 
+  tl::unexpected<Error> too_many_facts() const {
+    return fail(Fault::usage, name_ + ": has more than the maximum of " +
+                                  std::to_string(McapRecording::kMaxFacts) +
+                                  " metadata entries; give a file with fewer");
+  }
+
   Result<void> top_level(std::uint8_t opcode, Bytes content) {
     switch (opcode) {
       case op_invalid:
@@ -160,16 +166,18 @@ class Loader {
     const std::string name = fields.text();
     Fields map(fields.array());
     if (!fields.whole()) return too_short("metadata record");
+    std::map<std::string, std::string> entries;
     while (map.good() && !map.rest().empty()) {
       const std::string key = map.text();
       const std::string value = map.text();
       if (!map.good()) return malformed("metadata entries do not match their length");
-      if (!to_.facts.try_emplace(key, value).second)
+      if (!entries.try_emplace(key, value).second)
         return malformed("a metadata entry occurs twice");
-      if (to_.facts.size() > McapRecording::kMaxFacts)
-        return malformed("more than " + std::to_string(McapRecording::kMaxFacts) +
-                         " metadata entries");
+      if (entries.size() > McapRecording::kMaxFacts) return too_many_facts();
     }
+    // rosbag2 writes a record when it opens the file, and the same record again when it closes the file.
+    for (auto& [key, value] : entries) to_.facts.insert_or_assign(key, std::move(value));
+    if (to_.facts.size() > McapRecording::kMaxFacts) return too_many_facts();
     to_.has_kaz_metadata = to_.has_kaz_metadata || name == "kaz";
     return {};
   }

@@ -49,7 +49,8 @@ struct McapRecording {
   std::map<std::uint16_t, std::string> topics;  // topic of each channel number
   std::map<std::uint16_t, Encoding> encodings;  // the same keys as `topics`
   std::map<std::uint16_t, Schema> schemas;      // by schema number
-  std::map<std::string, std::string> facts;     // entries of all metadata records
+  // Entries of all metadata records. If two records have the same key, the later entry counts.
+  std::map<std::string, std::string> facts;
   std::vector<Message> messages;   // in file order; `topics` contains the channel of every message
   std::size_t damaged_chunks = 0;  // number of chunks skipped because of a wrong CRC
   bool whole = false;              // false: the file is truncated

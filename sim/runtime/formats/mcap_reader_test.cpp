@@ -137,10 +137,12 @@ TEST(McapReader, ARecordingOfKazBeginsAtZero) {
   EXPECT_EQ(none->duration_ns(), 0u);
 }
 
-// As in files of writers that repeat schemas and channels in each chunk.
+// As in files of rosbag2, and of writers that repeat schemas and channels in each chunk.
 TEST(McapReader, RepeatedRecordsMayAgree) {
-  const auto read = McapRecording::parse(mcap(content() + content()), "a.mcap");
+  const auto read = McapRecording::parse(
+      mcap(metadata("rosbag2", "1") + content() + content() + metadata("rosbag2", "2")), "a.mcap");
   ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->facts.at("key"), "2");
   EXPECT_EQ(read->messages.size(), 4u);
   EXPECT_NE(refusal(mcap(schema() + schema("int8 a"))).find("schema 1 is defined twice"),
             std::string::npos);
