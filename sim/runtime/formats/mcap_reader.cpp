@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/formats/mcap_reader.h"
 
+#include <lz4frame.h>
 #include <unistd.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "shared/base/files.hpp"
+#include "shared/base/one_line.hpp"
 #include "sim/runtime/formats/little_endian.h"
 
 namespace kaz::sim {
@@ -44,6 +48,30 @@ Record head_of(Bytes bytes) {
   Fields head(bytes);
   const auto opcode = head.number<std::uint8_t>();
   return {opcode, head.number<std::uint64_t>()};
+}
+
+// Decompresses one LZ4 frame. Returns whether it ends with `from` and fills `to`.
+bool decompress_lz4(Bytes from, std::span<std::uint8_t> to) {
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION))) return false;
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      made, &LZ4F_freeDecompressionContext);
+  for (std::size_t missing = 1; missing != 0;) {
+    std::size_t written = to.size(), consumed = from.size();
+    missing = LZ4F_decompress(made, to.data(), &written, from.data(), &consumed, nullptr);
+    if (LZ4F_isError(missing) || (written == 0 && consumed == 0)) return false;
+    to = to.subspan(written);
+    from = from.subspan(consumed);
+  }
+  return to.empty() && from.empty();
+}
+
+// Decompresses one zstd frame. Returns whether it ends with `from` and fills `to`. The library would also
+// decompress its formats before 1.0, and several frames.
+bool decompress_zstd(Bytes from, std::span<std::uint8_t> to) {
+  if (Fields(from).number<std::uint32_t>() != ZSTD_MAGICNUMBER) return false;
+  if (ZSTD_findFrameCompressedSize(from.data(), from.size()) != from.size()) return false;
+  return ZSTD_decompress(to.data(), to.size(), from.data(), from.size()) == to.size();
 }
 
 class Loader {
@@ -191,12 +219,15 @@ class Loader {
     const std::string compression = fields.text();
     const auto size = fields.number<std::uint64_t>();
     if (!fields.good() || size != fields.rest().size()) return too_short("chunk");
-    if (!compression.empty())
-      return fail(Fault::usage,
-                  name_ + ": compressed chunks are not supported; give a recording written by kaz");
-    if (uncompressed != size) return malformed("the two sizes of a chunk differ");
     if (first > last) return malformed("a chunk ends before it begins");
-    const Bytes inside = fields.rest();
+    Bytes inside = fields.rest();
+    std::vector<std::uint8_t> decompressed;
+    if (compression.empty()) {
+      if (uncompressed != size) return malformed("the two sizes of a chunk differ");
+    } else {
+      KAZ_TRY(decompress(compression, inside, uncompressed, decompressed));
+      inside = decompressed;
+    }
     if (crc != 0 && crc32_z(0, inside.data(), inside.size()) != crc) {
       ++to_.damaged_chunks;
       return {};
@@ -207,6 +238,29 @@ class Loader {
     first_ns_ = 0;
     last_ns_ = ~std::uint64_t{0};
     return done;
+  }
+
+  Result<void> decompress(const std::string& compression, Bytes from, std::uint64_t size,
+                          std::vector<std::uint8_t>& to) {
+    if (compression != "lz4" && compression != "zstd")
+      return fail(Fault::usage, name_ + ": the compression `" + cut_text(one_line(compression)) +
+                                    "` is unknown; give a file with compression lz4, zstd or none");
+    if (size > McapRecording::kMaxChunkBytes)
+      return fail(Fault::usage, name_ + ": a chunk of " + std::to_string(size) +
+                                    " bytes is larger than the maximum of " +
+                                    std::to_string(McapRecording::kMaxChunkBytes >> 20) +
+                                    " MiB; give a file with smaller chunks");
+    decompressed_bytes_ += size;
+    if (decompressed_bytes_ > McapRecording::kMaxBytes)
+      return fail(Fault::usage,
+                  name_ + ": its decompressed chunks are larger than the maximum of " +
+                      std::to_string(McapRecording::kMaxBytes >> 30) + " GiB; give a shorter file");
+    if (from.empty() && size == 0) return {};
+    to.resize(static_cast<std::size_t>(size));
+    if (!(compression == "lz4" ? decompress_lz4(from, to) : decompress_zstd(from, to)))
+      return malformed("the " + compression + " data of a chunk is damaged, or is not " +
+                       std::to_string(size) + " bytes long");
+    return {};
   }
 
   Result<void> chunk_content(Bytes inside) {
@@ -238,7 +292,8 @@ class Loader {
   McapRecording& to_;
   Bytes file_;
   const std::string& name_;
-  std::size_t record_at_ = 0;  // of the top-level record, in the file
+  std::size_t record_at_ = 0;             // of the top-level record, in the file
+  std::uint64_t decompressed_bytes_ = 0;  // of all compressed chunks
   std::uint64_t first_ns_ = 0, last_ns_ = ~std::uint64_t{0};  // of the chunk, if in one
 };
 

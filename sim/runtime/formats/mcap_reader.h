@@ -1,11 +1,11 @@
-// Reads MCAP files of Kaz (McapWriter) and of other programs: chunks without compression.
+// Reads MCAP files of Kaz (McapWriter) and of other programs: chunks without compression, with lz4 or zstd.
 // SPDX-License-Identifier: Apache-2.0
 //
 // A file may be truncated because the program was killed or the disk was full. A truncated file ends within a
 // top-level record, or the Data End record is missing. A truncated file is read up to the end, and `whole` is
 // false. A chunk with a wrong CRC is skipped and counted. Other deviations from the format are errors.
 // Examples of errors are fields beyond the end of the record, nested chunks, impossible record lengths,
-// and unknown channels.
+// unknown channels, and compressed data that does not have the stated size.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,9 @@ namespace kaz::sim {
 
 struct McapRecording {
   // Limits (docs/reference/recording.md). The recording is kept in memory. During load(), the bytes of the
-  // file are in memory, too.
-  static constexpr std::uint64_t kMaxBytes = std::uint64_t{2} << 30;
+  // file are in memory, too. kMaxBytes limits the file, and also the sum of its decompressed chunks.
+  static constexpr std::uint64_t kMaxBytes = 2ull << 30;
+  static constexpr std::uint64_t kMaxChunkBytes = 256ull << 20;  // limit of a decompressed chunk
   static constexpr std::size_t kMaxFacts = 10'000;
   // Key of an entry in `facts`. If a signal interrupted the run, the value of this entry is the name of the
   // signal.
@@ -71,7 +72,8 @@ struct McapRecording {
   Result<void> check_run(const std::string& name) const;
 
   // Reads a file of any program. Returns Fault::usage if the file is missing, is not an MCAP file, is larger
-  // than kMaxBytes, is malformed, or is compressed. The error message is one sentence that names the file.
+  // than kMaxBytes, is malformed, or has an unknown compression. The error message is one sentence that names
+  // the file.
   static Result<McapRecording> load(const std::string& path);
   // Reads a recording of Kaz, with the errors of load() and check_run().
   static Result<McapRecording> load_run(const std::string& path);

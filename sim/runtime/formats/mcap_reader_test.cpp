@@ -1,8 +1,11 @@
-// Files of other programs, with times since 1970.
+// Files of other programs: compressed chunks, times since 1970, and hostile sizes.
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/formats/mcap_reader.h"
 
 #include <gtest/gtest.h>
+#include <lz4frame.h>
+#include <zlib.h>
+#include <zstd.h>
 
 #include <string>
 #include <vector>
@@ -57,6 +60,39 @@ Bytes metadata(const std::string& name, const std::string& value) {
   return record(0x0C, bytes);
 }
 
+// Chunk of messages of any time. `data` is its compressed content, and `size` its stated size before
+// compression.
+Bytes chunk(const std::string& compression, const Bytes& data, std::uint64_t size,
+            std::uint32_t crc = 0) {
+  Bytes bytes;
+  LittleEndian(bytes)
+      .number(std::uint64_t{0})
+      .number(~std::uint64_t{0})
+      .number(size)
+      .number(crc)
+      .text(compression)
+      .number(std::uint64_t{data.size()})
+      .bytes(data);
+  return record(0x06, bytes);
+}
+
+Bytes lz4(const Bytes& content) {
+  Bytes data(LZ4F_compressFrameBound(content.size(), nullptr));
+  data.resize(
+      LZ4F_compressFrame(data.data(), data.size(), content.data(), content.size(), nullptr));
+  return data;
+}
+
+Bytes zstd(const Bytes& content) {
+  Bytes data(ZSTD_compressBound(content.size()));
+  data.resize(ZSTD_compress(data.data(), data.size(), content.data(), content.size(), 1));
+  return data;
+}
+
+std::uint32_t crc_of(const Bytes& content) {
+  return static_cast<std::uint32_t>(crc32_z(0, content.data(), content.size()));
+}
+
 // A whole file with these records.
 Bytes mcap(const Bytes& records) {
   Bytes header;
@@ -94,8 +130,103 @@ void expect_content(const Bytes& file) {
             (McapRecording::Schema{"std_msgs/Float64", "ros1msg", "float64 data"}));
 }
 
-TEST(McapReader, ReadsTimesSince1970) {
-  expect_content(mcap(content()));
+TEST(McapReader, ReadsEachCompression) {
+  const Bytes inside = content();
+  ASSERT_LT(lz4(inside).size(), inside.size());
+  expect_content(mcap(inside));
+  expect_content(mcap(chunk("", inside, inside.size(), crc_of(inside))));
+  expect_content(mcap(chunk("lz4", lz4(inside), inside.size(), crc_of(inside))));
+  expect_content(mcap(chunk("zstd", zstd(inside), inside.size(), crc_of(inside))));
+  const Bytes empty;
+  for (const std::string compression : {"", "lz4", "zstd"})
+    EXPECT_EQ(refusal(mcap(chunk(compression, empty, 0))), "") << compression;
+  EXPECT_EQ(refusal(mcap(chunk("lz4", lz4(empty), 0) + chunk("zstd", zstd(empty), 0))), "");
+}
+
+// Larger than the blocks of both formats, with data that hardly shrinks.
+TEST(McapReader, ReadsChunksOfManyBlocks) {
+  Bytes noise(10 << 20);
+  std::uint32_t state = 1;
+  for (std::uint8_t& byte : noise) {
+    state = state * 1664525 + 1013904223;
+    byte = static_cast<std::uint8_t>(state >> 24);
+  }
+  const Bytes inside = schema() + channel(1, "/x") + message(1, 5, noise);
+  for (const auto& [compression, data] :
+       {std::pair{"lz4", lz4(inside)}, std::pair{"zstd", zstd(inside)}}) {
+    const auto read = McapRecording::parse(mcap(chunk(compression, data, inside.size())), "a.mcap");
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->messages.size(), 1u);
+    EXPECT_EQ(read->messages[0].data, noise);
+  }
+}
+
+TEST(McapReader, CompressedChunksHaveTheStatedSize) {
+  const Bytes inside = content();
+  for (const auto& [compression, data] :
+       {std::pair{"lz4", lz4(inside)}, std::pair{"zstd", zstd(inside)}}) {
+    SCOPED_TRACE(compression);
+    const std::string wrong = std::string("the ") + compression + " data of a chunk is damaged";
+    for (const std::size_t size : {std::size_t{0}, inside.size() - 1, inside.size() + 1,
+                                   std::size_t{McapRecording::kMaxChunkBytes}})
+      EXPECT_NE(refusal(mcap(chunk(compression, data, size))).find(wrong), std::string::npos)
+          << size;
+    for (std::size_t size = 0; size < data.size(); ++size) {
+      const Bytes front(data.begin(), data.begin() + static_cast<std::ptrdiff_t>(size));
+      EXPECT_NE(refusal(mcap(chunk(compression, front, inside.size()))).find(wrong),
+                std::string::npos)
+          << size;
+    }
+    // One frame only, also if the second frame is empty or is skippable.
+    const Bytes skippable{0x50, 0x2A, 0x4D, 0x18, 0, 0, 0, 0};
+    for (const Bytes& more : {data, lz4({}), zstd({}), skippable, Bytes{0}})
+      EXPECT_NE(refusal(mcap(chunk(compression, data + more, inside.size()))).find(wrong),
+                std::string::npos);
+    EXPECT_NE(refusal(mcap(chunk(compression, skippable + data, inside.size()))).find(wrong),
+              std::string::npos);
+  }
+}
+
+TEST(McapReader, ChangedBitsOfCompressedChunksAreNoticed) {
+  const Bytes inside = content();
+  for (const auto& [compression, data] :
+       {std::pair{"lz4", lz4(inside)}, std::pair{"zstd", zstd(inside)}}) {
+    for (std::size_t bit = 0; bit < 8 * data.size(); ++bit) {
+      Bytes flipped = data;
+      flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ (1 << bit % 8));
+      const auto read = McapRecording::parse(
+          mcap(chunk(compression, flipped, inside.size(), crc_of(inside))), "a.mcap");
+      // A bit that the format ignores does not change the content.
+      if (read && read->damaged_chunks == 0) {
+        EXPECT_EQ(read->messages.size(), 2u) << compression << bit;
+      }
+    }
+  }
+}
+
+TEST(McapReader, LimitsAreCheckedBeforeMemoryIsReserved) {
+  const Bytes data = lz4(content());
+  for (const std::uint64_t size :
+       {McapRecording::kMaxChunkBytes + 1, std::uint64_t{1} << 40, ~std::uint64_t{0}})
+    EXPECT_EQ(refusal(mcap(chunk("lz4", data, size))),
+              "a.mcap: a chunk of " + std::to_string(size) +
+                  " bytes is larger than the maximum of 256 MiB; give a file with smaller chunks");
+  // Many chunks of the allowed size, each of a few kilobytes.
+  const Bytes zeros(McapRecording::kMaxChunkBytes);
+  const Bytes large = chunk("zstd", zstd(zeros), zeros.size(), 1);  // a wrong CRC: it is skipped
+  Bytes all;
+  for (std::uint64_t sum = 0; sum <= McapRecording::kMaxBytes; sum += zeros.size())
+    all = all + large;
+  EXPECT_LT(all.size(), 1u << 20);
+  EXPECT_EQ(
+      refusal(mcap(all)),
+      "a.mcap: its decompressed chunks are larger than the maximum of 2 GiB; give a shorter file");
+}
+
+TEST(McapReader, UnknownCompressionsAreNamed) {
+  EXPECT_EQ(refusal(mcap(chunk("bz2\n", {1, 2}, 10))),
+            "a.mcap: the compression `bz2 ` is unknown; give a file with compression lz4, zstd or "
+            "none");
 }
 
 TEST(McapReader, RecordsOfAnotherProgramAreNoRun) {
