@@ -74,6 +74,7 @@ bool decompress_zstd(Bytes from, std::span<std::uint8_t> to) {
   return ZSTD_decompress(to.data(), to.size(), from.data(), from.size()) == to.size();
 }
 
+// Later versions of the format may add fields at the end of all records but messages. They are ignored.
 class Loader {
  public:
   Loader(McapRecording& to, Bytes file, const std::string& name)
@@ -148,8 +149,8 @@ class Loader {
     schema.name = fields.text();
     schema.encoding = fields.text();
     schema.text = fields.text();
-    if (!fields.whole()) return too_short("schema");
-    if (id == 0) return malformed("a schema has number 0");
+    if (!fields.good()) return too_short("schema");
+    if (id == 0) return {};  // invalid, and to be ignored by the specification
     const auto [known, added] = to_.schemas.try_emplace(id, schema);
     if (!added && known->second != schema)
       return malformed("schema " + std::to_string(id) + " is defined twice");
@@ -164,7 +165,7 @@ class Loader {
     const std::string topic = fields.text();
     encoding.message = fields.text();
     fields.array();  // metadata
-    if (!fields.whole()) return too_short("channel");
+    if (!fields.good()) return too_short("channel");
     const auto known = to_.topics.try_emplace(id, topic).first;
     if (to_.encodings.try_emplace(id, encoding).first->second != encoding || known->second != topic)
       return malformed("channel " + std::to_string(id) + " is defined twice");
@@ -193,7 +194,7 @@ class Loader {
     Fields fields(content);
     const std::string name = fields.text();
     Fields map(fields.array());
-    if (!fields.whole()) return too_short("metadata record");
+    if (!fields.good()) return too_short("metadata record");
     std::map<std::string, std::string> entries;
     while (map.good() && !map.rest().empty()) {
       const std::string key = map.text();
@@ -218,9 +219,9 @@ class Loader {
     const auto crc = fields.number<std::uint32_t>();
     const std::string compression = fields.text();
     const auto size = fields.number<std::uint64_t>();
-    if (!fields.good() || size != fields.rest().size()) return too_short("chunk");
+    Bytes inside = fields.take(size);
+    if (!fields.good()) return too_short("chunk");
     if (first > last) return malformed("a chunk ends before it begins");
-    Bytes inside = fields.rest();
     std::vector<std::uint8_t> decompressed;
     if (compression.empty()) {
       if (uncompressed != size) return malformed("the two sizes of a chunk differ");
@@ -281,7 +282,7 @@ class Loader {
   Result<void> data_end(Bytes content) {
     Fields fields(content);
     const auto crc = fields.number<std::uint32_t>();
-    if (!fields.whole()) return too_short("data end");
+    if (!fields.good()) return too_short("data end");
     // Damaged chunks were counted before.
     if (crc != 0 && to_.damaged_chunks == 0 && crc32_z(0, file_.data(), record_at_) != crc)
       return malformed("the checksum of the data is wrong");

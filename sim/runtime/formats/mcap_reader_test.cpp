@@ -282,5 +282,26 @@ TEST(McapReader, RepeatedRecordsMayAgree) {
               std::string::npos);
 }
 
+// The specification lets later versions add fields at the end of a record.
+TEST(McapReader, UnknownFieldsAreIgnored) {
+  const auto longer = [](Bytes bytes) {
+    bytes[1] = static_cast<std::uint8_t>(bytes[1] + 2);  // the lowest byte of the length
+    return bytes + Bytes{7, 8};
+  };
+  const Bytes inside = longer(schema()) + longer(channel(1, "/x")) + message(1, 5, {1});
+  Bytes no_schema = schema();
+  no_schema[9] = 0;  // the number 0 is invalid, and to be ignored
+  Bytes file = mcap(longer(chunk("", inside, inside.size(), crc_of(inside))) +
+                    longer(metadata("a", "b")) + no_schema);
+  file.resize(file.size() - record(0x0F, Bytes(4)).size());
+  const auto read = McapRecording::parse(file + record(0x0F, Bytes(6)), "a.mcap");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->whole);
+  ASSERT_EQ(read->messages.size(), 1u);
+  EXPECT_EQ(read->messages[0].data, Bytes{1});
+  EXPECT_EQ(read->facts.at("key"), "b");
+  EXPECT_EQ(read->schemas.size(), 1u);
+}
+
 }  // namespace
 }  // namespace kaz::sim
