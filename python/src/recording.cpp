@@ -2,38 +2,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "python/src/python.h"
 
+#include <array>
 #include <map>
+#include <set>
 
 #include "sim/runtime/formats/mcap_reader.h"
-#include "sim/runtime/formats/mcap_writer.h"
-#include "sim/runtime/simulation/recorder.h"
 
 namespace kaz::python {
 namespace {
 
-struct Schema {
-  std::string encoding, name, text;
-};
-
-// The channels that this version records, by topic.
-class Schemas final : public sim::MessageTap {
- public:
-  void channel(std::uint16_t, const std::string& topic, const std::string& encoding,
-               const std::string& schema_name, const std::string&,
-               const std::string& schema) override {
-    all[topic] = {encoding, schema_name, schema};
+// Returns how a topic's messages are encoded: the encoding of the messages, then name, encoding and text of
+// the schema. They are bytes, because they may be invalid UTF-8. Channels of one topic may differ. Equal
+// entries are returned once.
+py::list schemas(const sim::McapRecording& recording, const std::string& topic) {
+  std::set<std::array<std::string, 4>> all;
+  for (const auto& [channel, name] : recording.topics) {
+    if (name != topic) continue;
+    const sim::McapRecording::Encoding& encoding = recording.encodings.at(channel);
+    const auto found = recording.schemas.find(encoding.schema);
+    const auto schema =
+        found == recording.schemas.end() ? sim::McapRecording::Schema() : found->second;
+    all.insert({encoding.message, schema.name, schema.encoding, schema.text});
   }
-  void message(std::uint16_t, std::uint64_t, std::span<const std::uint8_t>) override {}
-  std::map<std::string, Schema> all;
-};
-
-py::dict schemas() {
-  Schemas tap;
-  const auto recorder = value_of(sim::Recorder::create("", {}, &tap));
-  recorder->add_all_channels();
-  py::dict made;
-  for (const auto& [topic, schema] : tap.all)
-    made[topic.c_str()] = py::make_tuple(schema.encoding, schema.name, schema.text);
+  py::list made;
+  for (const auto& [message, name, encoding, text] : all)
+    made.append(
+        py::make_tuple(py::bytes(message), py::bytes(name), py::bytes(encoding), py::bytes(text)));
   return made;
 }
 
@@ -65,7 +59,6 @@ py::tuple joined(const sim::McapRecording& recording, const std::string& topic) 
 }  // namespace
 
 void add_recording(py::module_& module) {
-  module.def("schemas", &schemas);
   py::class_<sim::McapRecording>(module, "McapRecording")
       .def(py::init([](const std::string& path) {
              return value_of(released([&] { return sim::McapRecording::load(path); }));
@@ -83,7 +76,8 @@ void add_recording(py::module_& module) {
       .def_readonly("whole", &sim::McapRecording::whole)
       .def_property_readonly(
           "duration_s",
-          [](const sim::McapRecording& r) { return 1e-9 * static_cast<double>(r.end_ns()); })
+          [](const sim::McapRecording& r) { return 1e-9 * static_cast<double>(r.duration_ns()); })
+      .def("schemas", &schemas, py::arg("topic"))
       .def("messages", &messages, py::arg("topic"))
       .def("joined", &joined, py::arg("topic"));
 }

@@ -54,7 +54,7 @@ class Nothing(unittest.TestCase):
             "DepthFinder": {"find": [PICTURE, PICTURE, CAMERA]},
             "FlowFinder": {"find": [PICTURE, PICTURE, CAMERA]},
             "PlaneFinder": {"find": [numpy.zeros((240, 320), numpy.float32), CAMERA]},
-            "McapRecording": {"messages": ["/tf"], "joined": ["/tf"]}}
+            "McapRecording": {"schemas": ["/tf"], "messages": ["/tf"], "joined": ["/tf"]}}
 
     @classmethod
     def tearDownClass(cls):
@@ -120,7 +120,7 @@ class Nothing(unittest.TestCase):
                 "depth_of": lambda: kaz.vision.depth_of(None, CAMERA)}.items():
             with self.subTest(what), self.assertRaises(TypeError):
                 call()
-        for call in (recording.array, recording.messages):
+        for call in (recording.array, recording.messages, recording.raw):
             with self.assertRaises(kaz.UsageError):
                 call(None)
 

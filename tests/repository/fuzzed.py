@@ -47,8 +47,8 @@ HARMLESS_HEADERS = """
   opencv2/core/utility.hpp opencv2/imgproc.hpp opencv2/video/tracking.hpp pcl/features/*
   pcl/point_types.h pcl/segmentation/* kaz_interface.h kz_*.h board_params.h tools/base/version.h""".split()
 READING_HEADERS = """
-  arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* netdb.h png.h pybind11/* regex
-  sdf/* sys/mman.h tinyxml2.h zlib.h""".split()
+  arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* lz4frame.h netdb.h png.h pybind11/*
+  regex sdf/* sys/mman.h tinyxml2.h zlib.h zstd.h""".split()
 READING = re.compile(
     r"(?<![Tt]h)[Rr]ead(?!y)|[Rr]e?cv|[Rr]eceiv|[Pp]ars|[Ss]can|[Ll]oad|[Dd]ecode|unpack|[Ii]mport|[Ii]nput"
     r"|getline|getdelim|getw?char|getw?cs?$|gets(?:_unlocked)?$|^getch$|^from_|^strto|^wcsto|^sto[ilfdu]"

@@ -201,7 +201,7 @@ Result<bool> evaluate_watched(const WatchArguments& arguments, CampaignOptions c
 }
 
 Result<void> play_recording(const WatchArguments& arguments, const std::string& file) {
-  const auto recording = KAZ_TRY(sim::McapRecording::load(file));
+  const auto recording = KAZ_TRY(sim::McapRecording::load_run(file));
   viewer::PlayOptions play;
   if (recording.facts.contains("port")) {  // no world is known
     play.view = KAZ_TRY(view_of(arguments, ""));

@@ -260,7 +260,7 @@ Result<RunTrace> RunTrace::of(const sim::McapRecording& recording, const std::st
 
 Result<RunTrace> RunTrace::load(const std::string& path) {
   const std::string file = recording_of(path);
-  return of(KAZ_TRY(sim::McapRecording::load(file)), file);
+  return of(KAZ_TRY(sim::McapRecording::load_run(file)), file);
 }
 
 }  // namespace kaz::tools

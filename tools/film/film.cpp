@@ -216,7 +216,7 @@ Result<std::optional<double>> Film::open_world(BackendOptions backend) {
 
 Result<Film> Film::of(const FilmOptions& options) {
   Film film;
-  const auto recording = KAZ_TRY(sim::McapRecording::load(options.recording));
+  const auto recording = KAZ_TRY(sim::McapRecording::load_run(options.recording));
   auto run = KAZ_TRY(lockstep::RecordedRun::of(recording, options.recording));
   auto recorded = KAZ_TRY(recorded_backend(recording, options.recording));
   find_beside(recorded.backend, options.recording);

@@ -212,7 +212,7 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
     print_interrupted(ran.error(), options, "simulation");
     return ran;
   }
-  const auto now = KAZ_TRY(sim::McapRecording::load(again));
+  const auto now = KAZ_TRY(sim::McapRecording::load_run(again));
 
   const auto difference = first_difference(recorded, now);
   print(options, recorded, difference, changed_files(recorded, now),
@@ -221,7 +221,7 @@ Result<bool> replay_whole(const ReplayOptions& options, const sim::McapRecording
 }
 
 Result<bool> replay(const ReplayOptions& options) {
-  const auto recorded = KAZ_TRY(sim::McapRecording::load(options.file));
+  const auto recorded = KAZ_TRY(sim::McapRecording::load_run(options.file));
   if (recorded.damaged_chunks > 0)
     return fail(Fault::usage, options.file + ": a chunk is damaged; record the run again");
   if (recorded.ends_early() && recorded.messages.empty())

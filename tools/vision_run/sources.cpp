@@ -383,7 +383,7 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
     return fail(
         Fault::usage,
         options.in + ": a recording contains its camera model: leave out --calibration and --view");
-  const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
+  const auto recorded = KAZ_TRY(sim::McapRecording::load_run(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(
         Fault::usage,

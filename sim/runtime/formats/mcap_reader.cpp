@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/formats/mcap_reader.h"
 
+#include <lz4frame.h>
 #include <unistd.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "shared/base/files.hpp"
+#include "shared/base/one_line.hpp"
 #include "sim/runtime/formats/little_endian.h"
 
 namespace kaz::sim {
@@ -46,6 +50,31 @@ Record head_of(Bytes bytes) {
   return {opcode, head.number<std::uint64_t>()};
 }
 
+// Decompresses one LZ4 frame. Returns whether it ends with `from` and fills `to`.
+bool decompress_lz4(Bytes from, std::span<std::uint8_t> to) {
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION))) return false;
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      made, &LZ4F_freeDecompressionContext);
+  for (std::size_t missing = 1; missing != 0;) {
+    std::size_t written = to.size(), consumed = from.size();
+    missing = LZ4F_decompress(made, to.data(), &written, from.data(), &consumed, nullptr);
+    if (LZ4F_isError(missing) || (written == 0 && consumed == 0)) return false;
+    to = to.subspan(written);
+    from = from.subspan(consumed);
+  }
+  return to.empty() && from.empty();
+}
+
+// Decompresses one zstd frame. Returns whether it ends with `from` and fills `to`. The library would also
+// decompress its formats before 1.0, and several frames.
+bool decompress_zstd(Bytes from, std::span<std::uint8_t> to) {
+  if (Fields(from).number<std::uint32_t>() != ZSTD_MAGICNUMBER) return false;
+  if (ZSTD_findFrameCompressedSize(from.data(), from.size()) != from.size()) return false;
+  return ZSTD_decompress(to.data(), to.size(), from.data(), from.size()) == to.size();
+}
+
+// Later versions of the format may add fields at the end of all records but messages. They are ignored.
 class Loader {
  public:
   Loader(McapRecording& to, Bytes file, const std::string& name)
@@ -81,6 +110,12 @@ class Loader {
     return malformed(std::string("the fields of a ") + record + " do not match its length");
   }
 
+  tl::unexpected<Error> too_many_facts() const {
+    return fail(Fault::usage, name_ + ": has more than the maximum of " +
+                                  std::to_string(McapRecording::kMaxFacts) +
+                                  " metadata entries; give a file with fewer");
+  }
+
   Result<void> top_level(std::uint8_t opcode, Bytes content) {
     switch (opcode) {
       case op_invalid:
@@ -110,24 +145,29 @@ class Loader {
   Result<void> schema(Bytes content) {
     Fields fields(content);
     const auto id = fields.number<std::uint16_t>();
-    fields.array();  // name
-    fields.array();  // encoding
-    fields.array();  // text
-    if (!fields.whole()) return too_short("schema");
-    if (id == 0) return malformed("a schema has number 0");
+    McapRecording::Schema schema;
+    schema.name = fields.text();
+    schema.encoding = fields.text();
+    schema.text = fields.text();
+    if (!fields.good()) return too_short("schema");
+    if (id == 0) return {};  // invalid, and to be ignored by the specification
+    const auto [known, added] = to_.schemas.try_emplace(id, schema);
+    if (!added && known->second != schema)
+      return malformed("schema " + std::to_string(id) + " is defined twice");
     return {};
   }
 
   Result<void> channel(Bytes content) {
     Fields fields(content);
     const auto id = fields.number<std::uint16_t>();
-    fields.number<std::uint16_t>();  // schema
+    McapRecording::Encoding encoding;
+    encoding.schema = fields.number<std::uint16_t>();
     const std::string topic = fields.text();
-    fields.array();  // encoding
+    encoding.message = fields.text();
     fields.array();  // metadata
-    if (!fields.whole()) return too_short("channel");
-    const auto [known, added] = to_.topics.try_emplace(id, topic);
-    if (!added && known->second != topic)
+    if (!fields.good()) return too_short("channel");
+    const auto known = to_.topics.try_emplace(id, topic).first;
+    if (to_.encodings.try_emplace(id, encoding).first->second != encoding || known->second != topic)
       return malformed("channel " + std::to_string(id) + " is defined twice");
     return {};
   }
@@ -143,9 +183,6 @@ class Loader {
     if (!to_.topics.contains(message.channel))
       return malformed("a message belongs to channel " + std::to_string(message.channel) +
                        ", which is not defined");
-    if (message.time_ns > McapRecording::kMaxTime_ns)
-      return malformed("the time of a message is " + std::to_string(message.time_ns) +
-                       " ns, more than a year after the start");
     if (message.time_ns < first_ns_ || message.time_ns > last_ns_)
       return malformed("the time of a message is outside its chunk's range");
     message.data.assign(fields.rest().begin(), fields.rest().end());
@@ -155,19 +192,22 @@ class Loader {
 
   Result<void> metadata(Bytes content) {
     Fields fields(content);
-    fields.array();  // name
+    const std::string name = fields.text();
     Fields map(fields.array());
-    if (!fields.whole()) return too_short("metadata record");
+    if (!fields.good()) return too_short("metadata record");
+    std::map<std::string, std::string> entries;
     while (map.good() && !map.rest().empty()) {
       const std::string key = map.text();
       const std::string value = map.text();
       if (!map.good()) return malformed("metadata entries do not match their length");
-      if (!to_.facts.try_emplace(key, value).second)
+      if (!entries.try_emplace(key, value).second)
         return malformed("a metadata entry occurs twice");
-      if (to_.facts.size() > McapRecording::kMaxFacts)
-        return malformed("more than " + std::to_string(McapRecording::kMaxFacts) +
-                         " metadata entries");
+      if (entries.size() > McapRecording::kMaxFacts) return too_many_facts();
     }
+    // rosbag2 writes a record when it opens the file, and the same record again when it closes the file.
+    for (auto& [key, value] : entries) to_.facts.insert_or_assign(key, std::move(value));
+    if (to_.facts.size() > McapRecording::kMaxFacts) return too_many_facts();
+    to_.has_kaz_metadata = to_.has_kaz_metadata || name == "kaz";
     return {};
   }
 
@@ -179,13 +219,16 @@ class Loader {
     const auto crc = fields.number<std::uint32_t>();
     const std::string compression = fields.text();
     const auto size = fields.number<std::uint64_t>();
-    if (!fields.good() || size != fields.rest().size()) return too_short("chunk");
-    if (!compression.empty())
-      return fail(Fault::usage,
-                  name_ + ": compressed chunks are not supported; give a recording written by kaz");
-    if (uncompressed != size) return malformed("the two sizes of a chunk differ");
+    Bytes inside = fields.take(size);
+    if (!fields.good()) return too_short("chunk");
     if (first > last) return malformed("a chunk ends before it begins");
-    const Bytes inside = fields.rest();
+    std::vector<std::uint8_t> decompressed;
+    if (compression.empty()) {
+      if (uncompressed != size) return malformed("the two sizes of a chunk differ");
+    } else {
+      KAZ_TRY(decompress(compression, inside, uncompressed, decompressed));
+      inside = decompressed;
+    }
     if (crc != 0 && crc32_z(0, inside.data(), inside.size()) != crc) {
       ++to_.damaged_chunks;
       return {};
@@ -196,6 +239,29 @@ class Loader {
     first_ns_ = 0;
     last_ns_ = ~std::uint64_t{0};
     return done;
+  }
+
+  Result<void> decompress(const std::string& compression, Bytes from, std::uint64_t size,
+                          std::vector<std::uint8_t>& to) {
+    if (compression != "lz4" && compression != "zstd")
+      return fail(Fault::usage, name_ + ": the compression `" + cut_text(one_line(compression)) +
+                                    "` is unknown; give a file with compression lz4, zstd or none");
+    if (size > McapRecording::kMaxChunkBytes)
+      return fail(Fault::usage, name_ + ": a chunk of " + std::to_string(size) +
+                                    " bytes is larger than the maximum of " +
+                                    std::to_string(McapRecording::kMaxChunkBytes >> 20) +
+                                    " MiB; give a file with smaller chunks");
+    decompressed_bytes_ += size;
+    if (decompressed_bytes_ > McapRecording::kMaxBytes)
+      return fail(Fault::usage,
+                  name_ + ": its decompressed chunks are larger than the maximum of " +
+                      std::to_string(McapRecording::kMaxBytes >> 30) + " GiB; give a shorter file");
+    if (from.empty() && size == 0) return {};
+    to.resize(static_cast<std::size_t>(size));
+    if (!(compression == "lz4" ? decompress_lz4(from, to) : decompress_zstd(from, to)))
+      return malformed("the " + compression + " data of a chunk is damaged, or is not " +
+                       std::to_string(size) + " bytes long");
+    return {};
   }
 
   Result<void> chunk_content(Bytes inside) {
@@ -216,7 +282,7 @@ class Loader {
   Result<void> data_end(Bytes content) {
     Fields fields(content);
     const auto crc = fields.number<std::uint32_t>();
-    if (!fields.whole()) return too_short("data end");
+    if (!fields.good()) return too_short("data end");
     // Damaged chunks were counted before.
     if (crc != 0 && to_.damaged_chunks == 0 && crc32_z(0, file_.data(), record_at_) != crc)
       return malformed("the checksum of the data is wrong");
@@ -227,7 +293,8 @@ class Loader {
   McapRecording& to_;
   Bytes file_;
   const std::string& name_;
-  std::size_t record_at_ = 0;  // of the top-level record, in the file
+  std::size_t record_at_ = 0;             // of the top-level record, in the file
+  std::uint64_t decompressed_bytes_ = 0;  // of all compressed chunks
   std::uint64_t first_ns_ = 0, last_ns_ = ~std::uint64_t{0};  // of the chunk, if in one
 };
 
@@ -265,6 +332,24 @@ std::uint64_t McapRecording::end_ns() const {
   return end;
 }
 
+std::uint64_t McapRecording::duration_ns() const {
+  const std::uint64_t end = end_ns();
+  std::uint64_t begin = has_kaz_metadata ? 0 : end;
+  for (const Message& message : messages) begin = std::min(begin, message.time_ns);
+  return end - begin;
+}
+
+Result<void> McapRecording::check_run(const std::string& name) const {
+  if (!has_kaz_metadata && (whole || !messages.empty()))
+    return fail(Fault::usage, name +
+                                  ": is an MCAP file of another program, and this command needs a "
+                                  "recording of Kaz; give a recording.mcap written by kaz");
+  if (const std::uint64_t end = end_ns(); end > kMaxTime_ns)
+    return fail(Fault::usage, name + ": the time of a message is " + std::to_string(end) +
+                                  " ns, more than a year after the start; record the run again");
+  return {};
+}
+
 Result<McapRecording> McapRecording::parse(Bytes bytes, const std::string& name) {
   if (bytes.size() > kMaxBytes) return too_large(name);
   if (!has_magic(bytes)) return no_mcap(name);
@@ -294,6 +379,12 @@ Result<McapRecording> McapRecording::load(const std::string& path) {
     if (bytes.size() > kMaxBytes) return too_large(path);
   }
   return parse(bytes, path);
+}
+
+Result<McapRecording> McapRecording::load_run(const std::string& path) {
+  auto recording = KAZ_TRY(load(path));
+  KAZ_TRY(recording.check_run(path));
+  return recording;
 }
 
 }  // namespace kaz::sim

@@ -62,6 +62,11 @@ string chunk(const string& records, std::uint64_t first_ns = 0, std::uint64_t la
                        number(std::uint32_t{0}) + text("") + number(std::uint64_t{records.size()}) +
                        records);
 }
+string compressed_chunk(const string& compression, std::uint64_t size, const string& data) {
+  return record(6, number(std::uint64_t{0}) + number(std::uint64_t{0}) + number(size) +
+                       number(std::uint32_t{0}) + text(compression) +
+                       number(std::uint64_t{data.size()}) + data);
+}
 string metadata(const std::vector<std::pair<string, string>>& entries) {
   string map;
   for (const auto& [key, value] : entries) map += text(key) + text(value);
@@ -136,9 +141,10 @@ TEST(HostileFiles, RecordingsAreRefusedAtOnce) {
       {"chunk that ends within a record", mcap(schema() + chunk(channel(1, "/a").substr(0, 20)))},
       {"chunk of a record of 2^64-1 bytes", mcap(chunk("\x05" + number(kHuge)))},
       {"chunk that ends before it begins", mcap(chunk("", 2, 1))},
-      {"compressed chunk", mcap(record(6, number(std::uint64_t{0}) + number(std::uint64_t{0}) +
-                                              number(std::uint64_t{9}) + number(std::uint32_t{0}) +
-                                              text("lz4") + number(std::uint64_t{0})))},
+      {"LZ4 chunk without content", mcap(compressed_chunk("lz4", 9, ""))},
+      {"LZ4 chunk of 2^64-1 bytes", mcap(compressed_chunk("lz4", kHuge, "abc"))},
+      {"zstd chunk of 2^28 bytes", mcap(compressed_chunk("zstd", 1 << 28, "abc"))},
+      {"chunk with an unknown compression", mcap(compressed_chunk("a\nb", 9, "abc"))},
       {"message of no channel", mcap(chunk(message(7, 5, "x")))},
       {"message shorter than its head", good + record(5, "abc") + data_end()},
       {"channel defined twice", mcap(schema() + channel(1, "/a") + channel(1, "/b"))},
@@ -182,6 +188,23 @@ TEST(HostileFiles, RecordingsAreRefusedAtOnce) {
                     2, file);
   }
   expect_sentence(run(kaz({"replay", "/dev/zero"}), kAtMost), 2, "/dev/zero");
+}
+
+// A file of ROS 2 is not malformed.
+TEST(HostileFiles, RecordingsOfOtherProgramsAreNamedAsSuch) {
+  const TemporaryFolder folder;
+  const string file = folder / "other.mcap", second = folder / "second.mcap";
+  constexpr std::uint64_t kIn2024_ns = 1'700'000'000'000'000'000;
+  for (const string& path : {file, second})
+    write_file(path, mcap(schema() + channel(1, "/x") +
+                          chunk(message(1, kIn2024_ns, "x"), kIn2024_ns, kIn2024_ns) + data_end()));
+  for (const auto& arguments :
+       {std::vector<string>{"replay", file}, std::vector<string>{"compare", file, second},
+        std::vector<string>{"vision", "run", "--in", file, "--out", folder / "found"}}) {
+    const Finished refused = run(kaz(arguments), kAtMost);
+    expect_sentence(refused, 2, file);
+    EXPECT_NE(refused.err.find("is an MCAP file of another program"), string::npos) << refused.err;
+  }
 }
 
 // The camera of a recording: both pictures are there, its numbers are none.

@@ -54,6 +54,9 @@ Complaint play(const lockstep::RecordedRun& run) {
 Complaint try_recording(Bytes bytes) {
   const auto recording = sim::McapRecording::parse(bytes, "case.mcap");
   if (!recording) return judge_error(recording.error(), "case.mcap");
+  if (recording->duration_ns() > recording->end_ns()) return "a duration is negative";
+  if (const auto of_kaz = recording->check_run("case.mcap"); !of_kaz)
+    return judge_error(of_kaz.error(), "case.mcap");
   (void)recording->has_messages("/eyes/left");
   for (const auto& [time_ns, line] : tools::recorded_acts(*recording))
     (void)sim::parse_hand(line, Time(static_cast<std::int64_t>(time_ns / 2)));

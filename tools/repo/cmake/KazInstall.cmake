@@ -106,9 +106,11 @@ set(packages
   "ZLIB::ZLIB|find:ZLIB|zlib"
   "asmjit::asmjit|find:asmjit|-lasmjit"
   "sdformat12::sdformat12|find:sdformat12|sdformat12"
+  "PkgConfig::KAZ_LZ4|pkg:KAZ_LZ4:liblz4|liblz4"
   "PkgConfig::KAZ_ODE|pkg:KAZ_ODE:ode|ode"
   "PkgConfig::KAZ_QHULL|pkg:KAZ_QHULL:qhull_r|qhull_r"
-  "PkgConfig::KAZ_TINYXML2|pkg:KAZ_TINYXML2:tinyxml2|tinyxml2")
+  "PkgConfig::KAZ_TINYXML2|pkg:KAZ_TINYXML2:tinyxml2|tinyxml2"
+  "PkgConfig::KAZ_ZSTD|pkg:KAZ_ZSTD:libzstd|libzstd")
 set(components "")
 foreach(library IN LISTS libraries)
   get_property(component GLOBAL PROPERTY KAZ_COMPONENT_OF_${library})
