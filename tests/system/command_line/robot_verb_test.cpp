@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "shared/base/json_testing.h"
 #include "tests/system/command_line/process_testing.h"
