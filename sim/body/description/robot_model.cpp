@@ -72,9 +72,13 @@ std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d
     return {shape, capsule.at};
   }
   if (wanted == MeshCollision::hull) {
-    shape.hull = convex_hull(points);
+    // The frame of a mesh may be far from the mesh. Bounding spheres are about the shape's origin.
+    const Eigen::Vector3d center = enclosing_box(points).at.translation();
+    std::vector<Eigen::Vector3d> centered(points.begin(), points.end());
+    for (Eigen::Vector3d& point : centered) point -= center;
+    shape.hull = convex_hull(centered);
     shape.kind = Shape::Kind::hull;
-    if (shape.hull) return {shape, Eigen::Isometry3d::Identity()};
+    if (shape.hull) return {shape, Eigen::Isometry3d(Eigen::Translation3d(center))};
   }
   const EnclosingBox box = enclosing_box(points);
   shape.kind = Shape::Kind::box;

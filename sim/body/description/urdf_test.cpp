@@ -233,8 +233,12 @@ TEST_F(UrdfFile, MeshesCollideByTheirHull) {
   const Eigen::AlignedBox3d box = extent(shape.shape, shape.in_link);
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3d(0, 0, 1)));
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3d(0.01, 0.02, 1.03)));
-  EXPECT_TRUE(inside(shape.shape, {0.001, 0.001, 0.001}, 0));
-  EXPECT_FALSE(inside(shape.shape, {0.009, 0.019, 0.029}, 0));
+  const auto is_inside = [&](const Eigen::Vector3d& in_link) {
+    return inside(shape.shape, shape.in_link.inverse() * in_link, 0);
+  };
+  EXPECT_TRUE(is_inside({0.001, 0.001, 1.001}));
+  EXPECT_FALSE(is_inside({0.009, 0.019, 1.029}));
+  EXPECT_TRUE(box.contains(shape.in_link.translation())) << "bounding spheres are about the origin";
   for (const MeshCollision wanted : {MeshCollision::box, MeshCollision::capsule}) {
     const auto read = load(robot, {.mesh_collision = wanted});
     ASSERT_TRUE(read) << full_text(read.error());
