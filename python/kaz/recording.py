@@ -19,7 +19,8 @@ _FIELD = re.compile(r"^\s*([A-Za-z0-9_/]+)(\[\d*\])?\s+([A-Za-z0-9_]+)\s*(=.*)?$
 
 
 # Errors of messages that do not match their schema, and of schemas without sense. Both come from the file.
-_MISMATCH = (ArithmeticError, MemoryError, RecursionError, TypeError, ValueError, struct.error)
+_MISMATCH: tuple[type[Exception], ...] = (
+    ArithmeticError, MemoryError, RecursionError, TypeError, ValueError, struct.error)
 
 
 class _Schema:

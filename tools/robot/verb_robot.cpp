@@ -51,7 +51,7 @@ void add_check(CLI::App& robot, Action& action) {
 void add_robot(CLI::App& program, Action& action) {
   auto* verb = program.add_subcommand("robot", "examine the description of a robot");
   verb->require_subcommand(1);
-  verb->footer("Example:\n  kaz robot check so101.urdf --picture so101.png");
+  verb->footer("Examples:\n  kaz robot check so101.urdf --picture so101.png");
   add_check(*verb, action);
 }
 

@@ -70,8 +70,8 @@ struct RobotOptions {
   template <class A>
   void visit_mcu(A&& archive) {
     archive({"mcu", "--mcu",
-             "microcontroller of the servo board: h8 executes the firmware image; "
-             "native runs the firmware's C code, compiled for this machine"},
+             "h8: emulated board with the firmware image; native: the firmware's C code, compiled "
+             "for this machine"},
             mcu, kMcuKinds);
   }
   template <class A>
@@ -90,8 +90,8 @@ struct RobotOptions {
   template <class A>
   void visit_dynamics(A&& archive) {
     archive({"dynamics", "--dynamics",
-             "reduced: Kaz's own physics engine; exact: the Open Dynamics Engine; "
-             "quickN: the Open Dynamics Engine with N iterations (1 to 1000)",
+             "reduced: Kaz's own physics; exact: the Open Dynamics Engine (ODE); quickN: ODE with "
+             "N iterations (1 to 1000)",
              "reduced|exact|quickN"},
             dynamics);
     archive({"physics_step_ms", "--physics-step",
@@ -125,20 +125,18 @@ struct RobotOptions {
   }
   template <class A>
   void visit_seed(A&& archive) {
-    archive({"seed", "--seed", "seed of all noise; the same seed gives identical results", "N"},
-            seed);
+    archive({"seed", "--seed", "seed of all noise; equal seeds give equal results", "N"}, seed);
   }
   template <class A>
   void visit_meshes(A&& archive) {
     archive({.name = "mesh_collision",
              .option = "--mesh-collision",
-             .help = "shape that replaces a mesh in collisions: its convex hull, or the box or "
-                     "capsule around it",
+             .help = "shape of meshes in collisions",
              .optional = true},
             reading.mesh_collision, kMeshCollisions);
     archive({.name = "skip_missing_meshes",
              .option = "--skip-missing-meshes",
-             .help = "leave out meshes of the robot's file that do not exist",
+             .help = "leave out meshes that do not exist",
              .optional = true},
             reading.skip_missing_meshes);
   }
