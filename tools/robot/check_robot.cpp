@@ -28,7 +28,7 @@ Json limit_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-// What the robot's folder lacks for a use of the robot.
+// A use of the robot, and the files that it needs and the robot's folder lacks.
 struct Need {
   const char* use;
   std::string missing;  // empty: nothing

@@ -10,7 +10,7 @@
 namespace kaz::tools {
 namespace {
 
-// What is drawn of a link, in the link's frame.
+// Visuals of a link, in the link's frame.
 std::vector<sim::Visual> looks_of(const sim::RigidLink& link) {
   if (!link.visuals.empty()) return link.visuals;
   std::vector<sim::Visual> looks;

@@ -257,10 +257,10 @@ Touch Contacts::contact_of(std::size_t a, std::size_t b) const {
 void Contacts::rest(std::size_t number, const ContactModel::Plane& plane) {
   const ConvexHull& hull = *model_->geoms()[number].hull;
   const Eigen::Matrix3d& turn = axes(number);
-  const Eigen::Vector3d& centre = at(number);
+  const Eigen::Vector3d& origin = at(number);
   below_.clear();
   for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector3d point = centre + turn * hull.point(i);
+    const Eigen::Vector3d point = origin + turn * hull.point(i);
     const double depth = plane.offset - plane.normal.dot(point);
     if (depth >= 0) below_.emplace_back(point, depth);
   }

@@ -40,7 +40,7 @@ class UrdfFile : public testing::Test {
 TEST_F(UrdfFile, ReportsAllErrorsTogetherInOrderOfLines) {
   TwoLinks robot;
   robot.trunk += "<visual><geometry><box size='1 2'/></geometry></visual>";
-  robot.arm_attributes = " colour='red'";
+  robot.arm_attributes = " tint='red'";
   robot.joint = "<origin xyz='0 0 0.1' ryp='0 0 1.2'/><axis xyz='0 0 0'/>";
   robot.robot = "<lnk name='x'/>\n";
   const auto read = load(robot);
@@ -51,7 +51,7 @@ TEST_F(UrdfFile, ReportsAllErrorsTogetherInOrderOfLines) {
   std::size_t at = 0;
   for (const char* part :
        {":2: attribute `size` of <box> must be 3 numbers",
-        ":3: attribute `colour` of <link> is unknown",
+        ":3: attribute `tint` of <link> is unknown",
         ":4: attribute `ryp` of <origin> is unknown; <origin> accepts xyz rpy quat_xyzw",
         ":4: axis of joint `j` is zero", ":5: unknown element <lnk> in <robot>"}) {
     const auto found = all.find(part);
