@@ -5,14 +5,16 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include "shared/board/board.h"
+#include "shared/picture/png.h"
 #include "sim/body/description/robot_model.h"
 #include "tools/base/output.h"
+#include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
-#include "tools/drawing/figure.h"
 #include "tools/robot/robot_picture.h"
 #include "tools/robot/starter_files.h"
 
@@ -107,6 +109,8 @@ Json json_of(const sim::RobotModel& robot, const CheckRobotOptions& options) {
 
 Result<void> check_robot(const CheckRobotOptions& options) {
   const auto robot = KAZ_TRY(sim::load_robot(options.file, options.reading));
+  std::optional<OutputFile> drawn;
+  if (!options.picture.empty()) drawn = KAZ_TRY(OutputFile::open(options.picture, "--picture"));
   std::vector<std::string> written;
   if (options.write) written = KAZ_TRY(write_starter_files(robot, options.file));
   if (options.json)
@@ -115,9 +119,11 @@ Result<void> check_robot(const CheckRobotOptions& options) {
     print(robot, options);
   for (const std::string& name : written)
     if (!options.json) print_lines("wrote %s; correct its values for your robot\n", name.c_str());
-  if (options.picture.empty()) return {};
-  const auto picture = KAZ_TRY(robot_picture(robot, kPictureWidth));
-  KAZ_TRY(figure::write_png(options.picture, picture));
+  if (!drawn) return {};
+  const auto image = KAZ_TRY(robot_picture(robot, kPictureWidth));
+  const auto png = KAZ_TRY(
+      picture::encode_png({.width = image.width, .height = image.height, .samples = image.rgb}));
+  KAZ_TRY(drawn->write({reinterpret_cast<const char*>(png.data()), png.size()}));
   if (!options.json) print_lines("picture: %s\n", options.picture.c_str());
   return {};
 }

@@ -84,7 +84,7 @@ TEST(Arm, KeepsItsLimitsInsideTheBoardsChannels) {
   }
 }
 
-// The row of docs/reference/robot.md for a joint: "2, 6    l_, r_sh_pitch ...". Empty if there is none.
+// Returns the row of docs/reference/robot.md for a joint, such as "2, 6    l_, r_sh_pitch ...", or "".
 std::string documented_row(std::size_t joint) {
   std::istringstream lines(test::read_text("docs/reference/robot.md"));
   for (std::string line; std::getline(lines, line);) {

@@ -61,6 +61,16 @@ TEST(RobotVerb, WritesFilesWithWhichTheRobotRuns) {
   EXPECT_EQ(read_file(folder / "bus.json"), "mine");
 }
 
+TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
+  const TemporaryFolder folder;
+  write_file(folder / "lamp.urdf", kArm);
+  const Finished end =
+      run(kaz({"robot", "check", folder / "lamp.urdf", "--picture", folder / "lamp.urdf"}));
+  EXPECT_EQ(end.exit_code, 2) << end.out << end.err;
+  EXPECT_NE(end.err.find("--picture"), std::string::npos) << end.err;
+  EXPECT_EQ(read_file(folder / "lamp.urdf"), kArm);
+}
+
 TEST(RobotVerb, PrintsAllErrorsAtOnce) {
   const TemporaryFolder folder;
   std::string wrong = kArm;
