@@ -29,6 +29,6 @@ export async function open(browser, url, wrong, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   const before = Date.now();
   await page.goto(url);
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"));
+  await page.waitForFunction(() => window.kaz?.frames() > 0 && window.kaz.pose("trunk"));
   return { page, took: Date.now() - before };
 }
