@@ -308,8 +308,15 @@ class Reader {
 
 std::vector<std::string> RobotModel::joint_order() const {
   std::vector<std::string> names;
-  for (const RobotJoint& joint : joints) names.push_back(joint.name);
+  for (const RobotJoint& joint : joints) {
+    if (!joint.follows) names.push_back(joint.name);
+  }
   return names;
+}
+
+std::size_t RobotModel::motors() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(joints, [](const RobotJoint& joint) { return !joint.follows; }));
 }
 
 int RobotModel::eyes_link() const {

@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,13 @@ struct RobotLink {
   Eigen::Isometry3d at_zero = Eigen::Isometry3d::Identity();
 };
 
+// A joint without a motor that follows another joint: angle = ratio * (angle of `joint`) + offset.
+struct JointCoupling {
+  int joint = 0;  // index into RobotModel::joints of a joint with a motor
+  double ratio = 1;
+  double offset = 0;  // rad
+};
+
 struct RobotJoint {
   std::string name;
   int child = 0;  // index into RobotModel::links
@@ -42,6 +50,7 @@ struct RobotJoint {
   double effort = std::numeric_limits<double>::infinity();
   double damping = 0;   // viscous friction, Nm s/rad
   double friction = 0;  // Coulomb friction, Nm
+  std::optional<JointCoupling> follows = std::nullopt;
 };
 
 // Frame of a URDF link, fixed to a link of the model.
@@ -56,7 +65,7 @@ struct RobotModel {
   // True if the root link is named `world`. A root link with this name never moves.
   bool fixed_base = false;
   // Revolute joints. Kaz's joints are in the order of shared/board/joints.def. The joints of another robot
-  // are in the order of its URDF.
+  // are in the order of its file. Joints that follow another joint come after all joints with a motor.
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 
@@ -64,7 +73,8 @@ struct RobotModel {
 
   bool is_kaz() const;                           // the joints are those of shared/board/joints.def
   double mass() const;                           // kg
-  std::vector<std::string> joint_order() const;  // names, in the order of `joints`
+  std::size_t motors() const;                    // number of joints that do not follow another joint
+  std::vector<std::string> joint_order() const;  // names of the joints with a motor
   // Index of the link to which the frames `left_eye` and `right_eye` are fixed. -1: a frame is missing, or
   // the two frames are fixed to different links.
   int eyes_link() const;

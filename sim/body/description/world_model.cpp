@@ -200,7 +200,8 @@ tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& pat
 
 }  // namespace
 
-Result<WorldModel> load_world(const std::string& sdf_path) {
+Result<WorldModel> load_world(const std::string& sdf_path, const ReadOptions& options) {
+  (void)options;
   if (const Result<void> ok = check_sdf(sdf_path); !ok) return tl::unexpected(ok.error());
   sdf::ParserConfig config;
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
 #include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim {
@@ -40,9 +42,29 @@ struct WorldBody {
   std::vector<Kick> kicks;  // sorted by time
 };
 
+// Passive joint between two bodies of the world. Poses are those at the start.
+struct WorldJoint {
+  enum class Kind { revolute, prismatic, ball };
+  std::string name;  // "model/joint"
+  Kind kind = Kind::revolute;
+  int parent = -1;  // index into WorldModel::bodies; -1: the world
+  int child = 0;    // index into WorldModel::bodies
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  // world frame, m; not used by prismatic joints
+  // Unit vector in world axes. A positive angle turns the child about this axis relative to the parent. Not
+  // used by ball joints.
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  // Stops relative to the start, rad or m; infinite without limits.
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  double damping = 0;   // Nm s/rad or N s/m
+  double friction = 0;  // Coulomb friction, Nm or N
+};
+
 struct WorldModel {
   Eigen::Vector3d gravity{0, 0, -9.81};
   std::vector<WorldBody> bodies;
+  std::vector<WorldJoint> joints;
+  std::vector<FileNote> notes;  // elements of the file that are not used
   Light light;
   // Pose of the robot at the start. The origin of this pose is the point between the soles; the x axis points
   // forward.
@@ -56,6 +78,6 @@ struct WorldModel {
 
 // Loads and checks an SDF world. An error message names file and line. The function never accesses the
 // network.
-Result<WorldModel> load_world(const std::string& sdf_path);
+Result<WorldModel> load_world(const std::string& sdf_path, const ReadOptions& options = {});
 
 }  // namespace kaz::sim
