@@ -164,7 +164,7 @@ try {
   // With --view-open one may look without the token, and connects again by oneself.
   const open_run = run(port, "--view-open");
   await connection(page, "live");
-  await page.waitForFunction(() => window.kaz?.frames() > 2 && window.kaz.pose("trunk"));
+  await page.waitForFunction(() => window.kaz?.frames() > 0 && window.kaz.pose("trunk"));
   await page.waitForFunction(() => document.getElementById("locked").textContent.includes("with its token to control"));
   assert(await page.isVisible("#locked") && await page.isHidden("#hands"), "without the token one may act");
   await open_run.url;
@@ -181,7 +181,9 @@ try {
   const paused = await time();
   await player.waitForTimeout(400);
   assert.equal(await time(), paused);
-  await player.locator("#scrub").fill("500");
+  // Far from where the player happens to pause on a busy machine.
+  const place = Number(await player.locator("#scrub").inputValue());
+  await player.locator("#scrub").fill(place < 500 ? "800" : "300");
   await player.waitForFunction((before) => Math.abs(window.kaz.time() - before) > 0.3, paused);
   const middle = await time();
   await player.locator("#view").focus();
