@@ -5,6 +5,8 @@
 #include <cstdio>
 
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/world_model.h"
+#include "tools/base/paths.h"
 
 namespace kaz::tools {
 
@@ -26,6 +28,15 @@ void print_unused(const std::string& label, const std::string& robot_file) {
   if (!robot || robot->notes.empty()) return;
   std::fprintf(stderr, "%s: %s: not used: %s; `kaz robot check` lists the lines\n", label.c_str(),
                robot_file.c_str(), sim::summary(robot->notes).c_str());
+}
+
+void print_unused_of_world(const std::string& label, const std::string& world) {
+  const auto path = world_file(world);
+  if (!path) return;
+  const auto loaded = sim::load_world(*path, {.skip_missing_meshes = true});
+  if (!loaded || loaded->notes.empty()) return;
+  std::fprintf(stderr, "%s: %s: not used: %s\n", label.c_str(), path->c_str(),
+               sim::summary(loaded->notes).c_str());
 }
 
 }  // namespace kaz::tools

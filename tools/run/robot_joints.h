@@ -18,4 +18,8 @@ Result<std::vector<std::string>> other_joints(const std::string& robot_file);
 // Elements of links are left out. `label`: prefix of the line. Ignores an empty path and an invalid file.
 void print_unused(const std::string& label, const std::string& robot_file);
 
+// Prints the same line about a world file. `world`: path, or a name as in world_file(). Ignores an invalid
+// file.
+void print_unused_of_world(const std::string& label, const std::string& world);
+
 }  // namespace kaz::tools

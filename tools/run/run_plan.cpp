@@ -64,6 +64,8 @@ Result<RunPlan> RunPlan::make(RunOptions options) {
   if (!options.open_backend) {
     backend.joints = KAZ_TRY(other_joints(backend.robot_file));
     if (!options.quiet) print_unused(options.label, backend.robot_file);
+    if (!options.quiet && !backend.at_port() && !backend.stand)
+      print_unused_of_world(options.label, backend.world);
   }
   backend.needs_camera = plan.behavior_.needs_camera;
   KAZ_TRY(check(backend));

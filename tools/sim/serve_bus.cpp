@@ -28,6 +28,7 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
                                   std::string(servo_bus::name_of(file.protocol)) +
                                   "; give that protocol, or another robot file");
   print_unused("kaz sim", options.robot_file);
+  print_unused_of_world("kaz sim", options.world);
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto world = KAZ_TRY(world_file(options.world));

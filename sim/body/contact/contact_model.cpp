@@ -100,6 +100,7 @@ void ContactModel::add(const RigidLink& link, int robot_link, int body,
     geom.size = shape.shape.size;
     geom.surface = shape.surface;
     geom.hull = shape.shape.hull;
+    geom.mask = shape.mask;
     geom.half = shape.shape.size / 2;
     geom.radius = radius_about(shape.shape);
     if (geom.kind == Shape::Kind::plane) {

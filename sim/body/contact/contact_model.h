@@ -39,6 +39,7 @@ class ContactModel {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     Surface surface;
     std::shared_ptr<const ConvexHull> hull;  // hulls only
+    std::uint16_t mask = 0xffff;             // as in CollisionShape
   };
   // All shapes of one body, or one fixed shape.
   struct Part {

@@ -194,6 +194,7 @@ void Contacts::meet(const Part& a, const Part& b) {
     if (apart(here, b.at, geoms[i].radius + b.radius)) continue;
     for (std::size_t j = b.first; j < b.first + b.count; ++j) {
       if (apart(here, at(j), geoms[i].radius + geoms[j].radius)) continue;
+      if ((geoms[i].mask & geoms[j].mask) == 0) continue;
       const bool boxes = geoms[i].kind == Shape::Kind::box && geoms[j].kind == Shape::Kind::box;
       if (boxes && parted(i, j)) continue;
       touch(i, j);
@@ -207,6 +208,7 @@ void Contacts::meet_planes(const Part& part) {
     if (plane.normal.dot(part.at) - plane.offset > part.radius) continue;
     for (std::size_t i = part.first; i < part.first + part.count; ++i) {
       if (plane.normal.dot(at(i)) - plane.offset > model_->geoms()[i].radius) continue;
+      if ((model_->geoms()[i].mask & model_->geoms()[plane.geom].mask) == 0) continue;
       if (model_->geoms()[i].hull)
         rest(i, plane);
       else

@@ -35,12 +35,6 @@ std::optional<std::string> stl_error(const std::string& bytes) {
 
 namespace fs = std::filesystem;
 
-// Both free of links and "..".
-bool is_inside(const fs::path& path, const fs::path& folder) {
-  const fs::path relative = path.lexically_relative(folder);
-  return !relative.empty() && *relative.begin() != "..";
-}
-
 fs::path package_of(const fs::path& folder) {
   std::error_code ignored;
   for (fs::path at = folder; at.has_relative_path(); at = at.parent_path()) {
@@ -49,19 +43,8 @@ fs::path package_of(const fs::path& folder) {
   return folder;
 }
 
-// The folders of KAZ_MESH_PATH that exist, without symbolic links.
 std::vector<fs::path> named_folders() {
-  const char* named = std::getenv("KAZ_MESH_PATH");
-  std::string_view rest = named == nullptr ? "" : named;
-  std::vector<fs::path> folders;
-  while (!rest.empty()) {
-    const auto end = rest.find(':');
-    std::error_code error;
-    const fs::path folder = fs::canonical(rest.substr(0, end), error);
-    if (!error) folders.push_back(folder);
-    rest = end == rest.npos ? "" : rest.substr(end + 1);
-  }
-  return folders;
+  return listed_folders("KAZ_MESH_PATH");
 }
 
 // The name in a package.xml, or that of its folder.
@@ -100,6 +83,25 @@ Result<fs::path> meant_path(const fs::path& folder, const std::string& name) {
 }
 
 }  // namespace
+
+bool is_inside(const fs::path& path, const fs::path& folder) {
+  const fs::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+std::vector<fs::path> listed_folders(const char* variable) {
+  const char* named = std::getenv(variable);
+  std::string_view rest = named == nullptr ? "" : named;
+  std::vector<fs::path> folders;
+  while (!rest.empty()) {
+    const auto end = rest.find(':');
+    std::error_code error;
+    const fs::path folder = fs::canonical(rest.substr(0, end), error);
+    if (!error) folders.push_back(folder);
+    rest = end == rest.npos ? "" : rest.substr(end + 1);
+  }
+  return folders;
+}
 
 Result<std::string> mesh_path(const std::string& robot_path, const std::string& name) {
   std::error_code error;

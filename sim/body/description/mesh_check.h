@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "shared/base/result.hpp"
 
@@ -22,6 +24,13 @@ namespace kaz::sim {
 // missing mesh file is not an error of this function. The error message is a sentence fragment that the
 // caller completes.
 Result<std::string> mesh_path(const std::string& robot_path, const std::string& name);
+
+// Returns whether `path` is `folder` or lies below it. Both must be without symbolic links and "..".
+bool is_inside(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+// Returns the existing folders that an environment variable lists (FOLDER[:FOLDER...]), with symbolic links
+// resolved.
+std::vector<std::filesystem::path> listed_folders(const char* variable);
 
 bool mesh_exists(const std::string& path);
 

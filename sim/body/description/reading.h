@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shared/base/result.hpp"
@@ -19,10 +20,21 @@ enum class Use {
   refused,
 };
 
-// Element or attribute that is not used.
+// Returns whether `words`, separated by spaces, contain `word`.
+constexpr bool has_word(std::string_view words, std::string_view word) {
+  while (!words.empty()) {
+    const auto end = words.find(' ');
+    if (words.substr(0, end) == word) return true;
+    words = end == words.npos ? std::string_view() : words.substr(end + 1);
+  }
+  return false;
+}
+
+// Element or attribute that is not used, or a default of the file format that is used.
 struct FileNote {
   int line = 0;
   std::string what;  // "<transmission>", "attribute `acceleration` of <limit>"
+  bool by_default = false;
 };
 
 // Collision shape that replaces a mesh. Each of them encloses all vertices of the mesh.

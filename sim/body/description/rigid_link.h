@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct CollisionShape {
   Eigen::Isometry3d in_link = Eigen::Isometry3d::Identity();
   Shape shape;
   Surface surface;
+  // Two shapes collide only if their masks have a common bit.
+  std::uint16_t mask = 0xffff;
 };
 
 struct RigidLink {

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <span>
 
-#include "sim/body/description/convex_hull.h"
 #include "sim/body/description/mesh_check.h"
+#include "sim/body/description/mesh_collision.h"
 #include "sim/body/description/mesh_file.h"
 #include "sim/body/description/urdf_check.h"
 
@@ -59,31 +58,6 @@ Rgb color_of(const Element& material) {
   const auto rgba = color == nullptr ? std::vector<double>() : numbers_of(*color, "rgba", 4);
   if (rgba.empty()) return {};
   return {static_cast<float>(rgba[0]), static_cast<float>(rgba[1]), static_cast<float>(rgba[2])};
-}
-
-// The convex shape in place of a mesh, and its pose in the mesh's frame.
-std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d> points,
-                                                 MeshCollision wanted) {
-  Shape shape;
-  if (wanted == MeshCollision::capsule) {
-    const EnclosingCapsule capsule = enclosing_capsule(points);
-    shape.kind = Shape::Kind::capsule;
-    shape.size = {capsule.radius, capsule.length, 0};
-    return {shape, capsule.at};
-  }
-  if (wanted == MeshCollision::hull) {
-    // The frame of a mesh may be far from the mesh. Bounding spheres are about the shape's origin.
-    const Eigen::Vector3d center = enclosing_box(points).at.translation();
-    std::vector<Eigen::Vector3d> centered(points.begin(), points.end());
-    for (Eigen::Vector3d& point : centered) point -= center;
-    shape.hull = convex_hull(centered);
-    shape.kind = Shape::Kind::hull;
-    if (shape.hull) return {shape, Eigen::Isometry3d(Eigen::Translation3d(center))};
-  }
-  const EnclosingBox box = enclosing_box(points);
-  shape.kind = Shape::Kind::box;
-  shape.size = box.lengths;
-  return {shape, box.at};
 }
 
 class Reader {

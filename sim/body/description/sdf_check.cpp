@@ -2,357 +2,424 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/sdf_check.h"
 
-#include <cmath>
-#include <cstdio>
+#include <algorithm>
 #include <map>
 #include <set>
-#include <vector>
+#include <utility>
 
-#include "sim/body/description/rigid_link.h"
+#include "sim/body/description/mesh_check.h"
+#include "sim/body/description/sdf_elements.h"
+#include "sim/body/description/sdf_include.h"
+#include "sim/body/description/sdf_rules.h"
+#include "sim/body/description/sdf_values.h"
+#include "sim/body/description/sdf_writer.h"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 namespace {
 
-using Element = tinyxml2::XMLElement;
+using SdfXml = tinyxml2::XMLElement;
 
-// Allowed child elements. Some names occur in several places, so keys are the ends of paths.
-const std::map<std::string, std::set<std::string>> kChildren{
-    {"sdf", {"world"}},
-    {"world", {"gravity", "model", "kaz:light", "kaz:robot"}},
-    {"kaz:robot", {"kaz:push"}},
-    {"model", {"static", "pose", "link", "kaz:kick"}},
-    {"link", {"pose", "inertial", "visual", "collision"}},
-    {"inertial", {"mass", "pose", "inertia"}},
-    {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
-    {"visual", {"pose", "geometry", "material", "kaz:texture"}},
-    {"collision", {"pose", "geometry", "surface"}},
-    {"geometry", {"box", "capsule", "cylinder", "plane", "sphere"}},
-    {"box", {"size"}},
-    {"capsule", {"radius", "length"}},
-    {"cylinder", {"radius", "length"}},
-    {"plane", {"normal", "size"}},
-    {"sphere", {"radius"}},
-    {"material", {"ambient", "diffuse", "specular"}},
-    {"surface", {"friction", "bounce", "contact", "kaz:rolling_resistance"}},
-    {"friction", {"ode"}},
-    {"friction/ode", {"mu"}},
-    {"bounce", {"restitution_coefficient", "threshold"}},
-    {"contact", {"ode"}},
-    {"contact/ode", {"soft_cfm"}},
-};
-
-// Required children, for which SDF would silently use defaults: a sphere of 1 m, a nameless part.
-const std::map<std::string, std::set<std::string>> kNeeded{
-    {"box", {"size"}},
-    {"capsule", {"radius", "length"}},
-    {"cylinder", {"radius", "length"}},
-    {"plane", {"size"}},
-    {"sphere", {"radius"}},
-    {"inertial", {"mass", "inertia"}},
-};
-// All others stand once where they stand.
-const std::set<std::string> kRepeated{"model",     "link",     "visual",
-                                      "collision", "kaz:kick", "kaz:push"};
-const std::set<std::string> kNamed{"world", "model", "link", "visual", "collision"};
-
-// Maximum of all numbers, so that products of a few of them do not overflow.
-constexpr double kLargest = 1e300;
-
-// Bounds against wrong units, and against numbers with which a step of the dynamics makes no sense.
-constexpr double kMaxPose = 100;      // m, and rad
-constexpr double kMaxGravity = 50;    // m/s^2; Jupiter has 25
-constexpr double kMaxKick = 100;      // m/s
-constexpr double kMaxKickTime = 1e6;  // s
-constexpr double kMaxPush = 5;        // N s, as by hand
-constexpr double kMinMass = 1e-9;     // kg
-constexpr double kMaxMoment = 1e9;    // kg m^2
-
-// Elements whose text is numbers: how many, and their bounds.
-struct Numbers {
-  std::size_t count;
-  double min = -kLargest;
-  double max = kLargest;
-  const char* unit = "";
-};
-const std::map<std::string, Numbers> kNumbers{
-    {"gravity", {3, -kMaxGravity, kMaxGravity, " m/s2"}},
-    {"pose", {6, -kMaxPose, kMaxPose, " (m, rad)"}},
-    {"mass", {1, 0, 1e4}},
-    {"ixx", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"ixy", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"ixz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"iyy", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"iyz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"izz", {1, -kMaxMoment, kMaxMoment, " kg m2"}},
-    {"radius", {1, 1e-6, 1e3}},
-    {"length", {1, 1e-6, 1e3}},
-    {"box/size", {3, 1e-6, 1e3}},
-    {"plane/size", {2, 1e-6, 1e3}},
-    {"normal", {3}},
-    {"ambient", {4, 0, 1}},
-    {"diffuse", {4, 0, 1}},
-    {"specular", {4, 0, 1}},
-    {"mu", {1, 0}},
-    {"soft_cfm", {1, 0}},
-    {"restitution_coefficient", {1, 0, 1}},
-    {"threshold", {1, 0}},
-};
-
-// Our own elements: numeric attributes.
-struct OwnAttribute {
-  const char* element;
-  const char* attribute;
-  Numbers numbers;
-};
-const OwnAttribute kOwn[] = {
-    {"kaz:robot", "pose", {6, -kMaxPose, kMaxPose, " (m, rad)"}},
-    {"kaz:light", "to_lamp", {3}},
-    {"kaz:light", "lamp", {1, 0, 10}},
-    {"kaz:light", "shade", {1, 0, 10}},
-    {"kaz:kick", "time", {1, 0, kMaxKickTime, " s"}},
-    {"kaz:kick", "velocity", {3, -kMaxKick, kMaxKick, " m/s"}},
-    {"kaz:push", "time", {1, 0, kMaxKickTime, " s"}},
-    {"kaz:push", "impulse", {3, -kMaxPush, kMaxPush, " N s"}},
-    {"kaz:rolling_resistance", "metres", {1, 0}},
-};
+constexpr int kNewestMinor = 11, kParserMinor = 9;
 
 // The parser's time grows with the square of their number.
 constexpr std::size_t kMaxModels = 500;
 
-const std::set<std::string> kTextures{"checker", "wood", "carpet"};
-
-// Name of an element in the tables: of <ode> in <contact> contact/ode.
-template <class Table>
-auto look_up(const Table& table, const Element& element) {
-  const std::string name = element.Name();
-  const auto plain = table.find(name);
-  if (plain != table.end() || element.Parent()->ToElement() == nullptr) return plain;
-  return table.find(element.Parent()->ToElement()->Name() + ("/" + name));
+std::string sdf_tag(const SdfXml& e) {
+  return std::string("<") + e.Name() + ">";
 }
 
-bool fits(const std::optional<std::vector<double>>& values, const Numbers& wanted) {
-  if (!values) return false;
-  for (const double value : *values) {
-    if (value < wanted.min || value > wanted.max) return false;
+std::string used_children(const std::string& parent) {
+  std::set<std::string_view> names;
+  for (const SdfElement& one : kSdfElements) {
+    if (one.parent == parent && one.use == Use::used) names.insert(one.name);
   }
-  return true;
+  std::string text;
+  for (const std::string_view name : names) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text.empty() ? "no elements" : text;
 }
 
-std::string describe(const Numbers& wanted) {
-  std::string text = std::to_string(wanted.count);
-  text += wanted.count == 1 ? " number" : " numbers";
-  if (wanted.max == 1) return text + " from 0 to 1";
-  if (wanted.min < 0 && wanted.max < kLargest) {
-    char range[80];
-    std::snprintf(range, sizeof range, " from %g to %g%s", wanted.min, wanted.max, wanted.unit);
-    return text + range;
-  }
-  char max[40] = "";
-  if (wanted.max < kLargest || wanted.min >= 0)
-    std::snprintf(max, sizeof max, " and at most %g", wanted.max);
-  if (wanted.min == 0) return text + " not below 0" + max + wanted.unit;
-  if (wanted.min > 0) return text + " above 0" + max + wanted.unit;
-  return text;
+template <class List>
+bool contains_name(const List& list, const std::string& name) {
+  return std::ranges::find(list, name) != std::end(list);
 }
 
-class Check {
+struct IncludedModel {
+  int index = -1;  // into CheckedSdf::models; -1: the file has no model
+  std::string name;
+  std::size_t models = 0;  // with nested models
+};
+
+// State of the check of a world and of all included files.
+struct SdfScan {
+  SdfScan(const ReadOptions& read_options, const std::string& world)
+      : options(read_options), path(world) {}
+  const ReadOptions& options;
+  ModelPath path;
+  CheckedSdf out;
+  std::vector<Error> errors;  // one for each file
+  std::map<std::pair<std::string, int>, IncludedModel> known;
+  std::vector<std::string> open;  // files that include each other
+  std::size_t models = 0;
+};
+
+class SdfFileCheck {
  public:
-  explicit Check(const XmlFile& file) : file_(file) {}
+  // `include_line`: line of the world file that includes `file`, or 0 for the world file.
+  SdfFileCheck(SdfScan& scan, const XmlFile& file, int include_line)
+      : scan_(scan), file_(file), report_(file.path(), include_line, scan.out.notes) {}
 
-  Result<void> run() {
-    if (file_.root().Attribute("version") == nullptr)
-      return error(file_.root(), "<sdf> lacks version=\"1.9\"");
-    const std::string version = file_.root().Attribute("version");
-    if (version.size() != 3 || version[0] != '1' || version[1] != '.' || version[2] < '0' ||
-        version[2] > '9') {
-      return error(file_.root(), "SDF version \"" + version +
-                                     "\" is not supported; the newest supported version is 1.9");
+  // Returns the text for libsdformat.
+  std::string world() {
+    if (begin()) {
+      const SdfXml& root = file_.root();
+      if (root.FirstChildElement("world") == nullptr && root.FirstChildElement("model") == nullptr)
+        report_.object(root, "<sdf> must contain one <world>");
+      children(root, "sdf", false);
+      writer_.close("sdf");
     }
-    if (auto ok = check(file_.root()); !ok) return ok;
-    const Element* world = file_.root().FirstChildElement("world");
-    if (world == nullptr) return error(file_.root(), "<sdf> must contain one <world>");
-    std::size_t models = 0;
-    for (auto* e = world->FirstChildElement("model"); e; e = e->NextSiblingElement("model")) {
-      if (++models > kMaxModels)
-        return error(*e, "<world> has more than " + std::to_string(kMaxModels) + " models");
-      if (auto ok = check_model(*e); !ok) return ok;
+    if (scan_.options.strict) report_.object_to_notes();
+    return end();
+  }
+
+  // Checks a file with a model. Returns its text, or nothing if the file has no model. `fixed`: the model is
+  // in a static model. `is_static`: replaces the model's <static>.
+  std::string model(bool fixed, std::optional<bool> is_static, std::string& name) {
+    if (begin()) {
+      const SdfXml& root = file_.root();
+      const SdfXml* model = root.FirstChildElement("model");
+      for (const SdfXml* e = root.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+        if (e == model) continue;
+        if (!contains_name(std::vector{"light", "actor"}, e->Name()))
+          report_.object(
+              *e, sdf_tag(*e) + " is not supported in an included file; it needs one <model>");
+        else
+          report_.note(*e, sdf_tag(*e));
+      }
+      if (model != nullptr) {
+        const char* named = model->Attribute("name");
+        name = named == nullptr ? "" : named;
+        root_fixed_ = fixed || is_static.value_or(truth_of(*model, "static").value_or(false));
+        root_model_ = model;
+        walk(*model, *sdf_element("world", "model"), "world", fixed);
+      }
+      writer_.close("sdf");
+      if (model == nullptr) return end(), "";
     }
-    return {};
+    return end();
   }
 
  private:
-  Result<void> check(const Element& element) {
-    if (auto ok = check_values(element); !ok) return ok;
-    const auto allowed = look_up(kChildren, element);
+  // The version. Returns false if nothing else can be checked.
+  bool begin() {
+    const SdfXml& root = file_.root();
+    const char* version = root.Attribute("version");
+    const auto minor = sdf_minor_version(version == nullptr ? "" : version);
+    if (version == nullptr) report_.object(root, "<sdf> lacks version=\"1.9\"");
+    if (version != nullptr && !minor)
+      report_.object(root, std::string("SDF version \"") + version +
+                               "\" is not supported; the newest supported version is 1.11");
+    if (!minor) return false;
+    minor_ = *minor;
+    scan_.out.is_recent = scan_.out.is_recent && minor_ >= 7;
+    const SdfElement& known = *sdf_element("", "sdf");
+    attributes(root, known);
+    writer_.open("sdf", root.GetLineNum());
+    writer_.attribute("version", "1." + std::to_string(std::min(minor_, kParserMinor)));
+    writer_.attribute("xmlns:kaz", "urn:kaz:sdf");
+    check_no_text(root, report_);
+    return true;
+  }
+
+  std::string end() {
+    if (const auto result = report_.result(); !result) scan_.errors.push_back(result.error());
+    return writer_.text();
+  }
+
+  // `fixed`: the element is in a static model.
+  void walk(const SdfXml& e, const SdfElement& known, const std::string& parent, bool fixed) {
+    const std::string name = e.Name();
+    attributes(e, known);
+    if (const auto wrong = name_error(e)) report_.spoil(e, *wrong);
+    check_needs(e, report_);
+    if (const auto wrong = sdf_value_error(e, parent)) report_.spoil(e, *wrong);
+    if ((name == "visual" || name == "collision") && !has_shape(e)) return;
+    if (name == "model") {
+      fixed = &e == root_model_ ? root_fixed_ : fixed || truth_of(e, "static").value_or(false);
+      if (!enter_model(e, parent)) return;
+    }
+    scan_.out.is_plain = scan_.out.is_plain && is_plain(name, parent);
+    const bool was_muted = writer_.is_muted();
+    writer_.mute(was_muted || known.harmless == kOnlyChecked);
+    write_tag(e, known);
+    const std::string context = sdf_context(parent, name);
+    if (has_elements(context)) {
+      check_no_text(e, report_);
+      children(e, context, fixed);
+    } else {
+      if (e.FirstChildElement() != nullptr)
+        report_.object(*e.FirstChildElement(), "unknown element " +
+                                                   sdf_tag(*e.FirstChildElement()) + " in " +
+                                                   sdf_tag(e) + ", which accepts no elements");
+      writer_.content(leaf_text(e, parent));
+    }
+    writer_.close(e.Name());
+    writer_.mute(was_muted);
+    if (name == "model") {
+      --level_;
+      check_model(e, fixed, report_);
+    }
+    if (name == "joint") check_joint(e, report_);
+    if (name == "ode" && parent == "friction") check_friction(e, report_);
+  }
+
+  static bool is_plain(const std::string& name, const std::string& parent) {
+    constexpr const char* kOthers[] = {"joint", "frame", "mesh", "collide_bitmask"};
+    return !contains_name(kOthers, name) && !(name == "model" && parent == "model");
+  }
+
+  bool enter_model(const SdfXml& e, const std::string& parent) {
+    if (parent == "model" && level_ >= kMaxSdfDepth) {
+      report_.object(e, "models are nested more than " + std::to_string(kMaxSdfDepth) + " deep");
+      return false;
+    }
+    if (!count_models(e, 1)) return false;
+    scan_.out.nesting = std::max(scan_.out.nesting, level_++);
+    return true;
+  }
+
+  bool count_models(const SdfXml& e, std::size_t count) {
+    const bool was_within = scan_.models <= kMaxModels;
+    scan_.models += count;
+    const bool within = scan_.models <= kMaxModels;
+    if (was_within && !within)
+      report_.object(e, "<world> has more than " + std::to_string(kMaxModels) + " models");
+    return within;
+  }
+
+  void children(const SdfXml& e, const std::string& context, bool fixed) {
     std::set<std::string> names;
-    for (const Element* e = element.FirstChildElement(); e; e = e->NextSiblingElement()) {
-      const std::string name = e->Name();
-      if (allowed == kChildren.end() || !allowed->second.count(name)) {
-        std::string known = "nothing";
-        if (allowed != kChildren.end()) {
-          known.clear();
-          for (const std::string& k : allowed->second) {
-            if (!known.empty()) known += ", ";
-            known += k;
-          }
-        }
-        return error(*e, "unknown element <" + name + "> in <" + element.Name() +
-                             ">, which accepts " + known);
-      }
-      if (const Element* again = e->NextSiblingElement(e->Name());
-          again != nullptr && !kRepeated.count(name)) {
-        return error(*again, "<" + name + "> occurs twice in <" + element.Name() + ">; remove one");
-      }
-      if (const char* own_name = e->Attribute("name");
-          own_name != nullptr && !names.insert(name + " " + own_name).second) {
-        return error(*e, name + " `" + own_name + "` is already defined above; rename it");
-      }
-      if (auto ok = check(*e); !ok) return ok;
+    for (const SdfXml* child = e.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      const SdfElement* known = takes(e, *child, context);
+      if (known == nullptr) continue;
+      const std::string name = child->Name();
+      const char* own_name = child->Attribute("name");
+      if (own_name != nullptr && !names.insert(name + " " + own_name).second)
+        report_.object(*child, name + " `" + own_name + "` is already defined above; rename it");
+      if (name == "include")
+        include(*child, fixed, names);
+      else
+        walk(*child, *known, context, fixed);
     }
-    if (const auto needed = kNeeded.find(element.Name()); needed != kNeeded.end()) {
-      for (const std::string& child : needed->second) {
-        if (element.FirstChildElement(child.c_str()) == nullptr) {
-          return error(element, std::string("<") + element.Name() + "> lacks <" + child + ">");
-        }
-      }
-    }
-    return {};
   }
 
-  Result<void> check_values(const Element& element) {
-    const std::string name = element.Name();
-    if (const auto numbers = look_up(kNumbers, element); numbers != kNumbers.end()) {
-      const char* text = element.GetText();
-      if (!fits(parse_numbers(text ? text : "", numbers->second.count), numbers->second)) {
-        return error(element, "<" + name + "> must contain " + describe(numbers->second) +
-                                  ", not \"" + (text ? text : "") + "\"");
-      }
+  // Returns the entry of a child that is used. Else adds an objection or a note, and returns null.
+  const SdfElement* takes(const SdfXml& e, const SdfXml& child, const std::string& context) {
+    const std::string name = child.Name();
+    const SdfElement* known = sdf_element(context, name);
+    if (known == nullptr && name.find(':') != name.npos && !name.starts_with("kaz:")) {
+      report_.note(child, sdf_tag(child));
+      return nullptr;
     }
-    KAZ_TRY(file_.check_name(element));
-    if (look_up(kChildren, element) != kChildren.end()) KAZ_TRY(file_.check_no_text(element));
-    if (kNamed.count(name) && element.Attribute("name") == nullptr) {
-      return error(element, "<" + name + "> lacks the attribute `name`");
+    if (known == nullptr) {
+      report_.distrust(e);
+      report_.object(child, "unknown element " + sdf_tag(child) + " in " + sdf_tag(e) +
+                                ", which accepts " + used_children(context));
+      return nullptr;
     }
-    if (element.Attribute("relative_to") != nullptr) {
-      return error(element, "`relative_to` is not supported; give the pose in the parent's frame");
+    if (!known->repeated && child.PreviousSiblingElement(child.Name()) != nullptr) {
+      report_.object(child, sdf_tag(child) + " occurs twice in " + sdf_tag(e) + "; remove one");
+      return nullptr;
     }
-    for (const OwnAttribute& own : kOwn) {
-      if (name != own.element) continue;
-      const char* text = element.Attribute(own.attribute);
-      if (!fits(parse_numbers(text ? text : "", own.numbers.count), own.numbers)) {
-        return error(element, "<" + name + "> needs the attribute `" + own.attribute + "` with " +
-                                  describe(own.numbers));
-      }
-    }
-    if (name == "static") {
-      bool fixed = false;
-      if (element.QueryBoolText(&fixed) != tinyxml2::XML_SUCCESS) {
-        return error(element, "<static> must be true or false");
-      }
-    }
-    if (name == "visual" || name == "collision") {
-      const Element* geometry = element.FirstChildElement("geometry");
-      const Element* shape = geometry ? geometry->FirstChildElement() : nullptr;
-      if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
-          geometry->NextSiblingElement("geometry") != nullptr) {
-        return error(element, "<" + name + "> must contain one <geometry> with one shape");
-      }
-    }
-    if (name ==
-        "kaz:light") {  // the renderer's limit: shadows of a lower lamp are too long for its map
-      const auto to = parse_numbers(element.Attribute("to_lamp"), 3).value();
-      if (!(to[2] > 0.05 * std::hypot(to[0], to[1], to[2])))
-        return error(element, "<kaz:light> needs a lamp 3 degrees or more above the floor");
-    }
-    if (name == "kaz:push" && element.Attribute("link") == nullptr)
-      return error(element,
-                   "<kaz:push> needs the attribute `link`: a link of the robot, such as trunk");
-    if (name == "kaz:texture") {
-      const char* texture = element.Attribute("name");
-      if (texture == nullptr || !kTextures.count(texture)) {
-        return error(element, "<kaz:texture> needs a `name` of checker, wood or carpet");
-      }
-    }
-    return {};
+    if (known->use == Use::noted && !(name == "light" && context == "world" && is_lamp(child)))
+      report_.note(child, sdf_tag(child));
+    if (known->use == Use::refused &&
+        (known->harmless.empty() || !same_value(trimmed_text(child), known->harmless)))
+      report_.object(child, sdf_tag(child) +
+                                (known->harmless.empty() ? "" : " of " + trimmed_text(child)) +
+                                " is not supported: " + std::string(known->remedy));
+    return known->use == Use::used ? known : nullptr;
   }
 
-  Result<void> check_model(const Element& model) {
-    const std::string name = model.Attribute("name");
-    const Element* fixed = model.FirstChildElement("static");
-    if (fixed != nullptr && fixed->BoolText(false)) {
-      if (const Element* kick = model.FirstChildElement("kaz:kick")) {
-        return error(*kick, "model `" + name + "` is static, so <kaz:kick> cannot move it");
-      }
-      return {};
+  void attributes(const SdfXml& e, const SdfElement& known) {
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+      const std::string name = a->Name(), what = "attribute `" + name + "` of " + sdf_tag(e);
+      if (name.starts_with("xmlns")) continue;
+      if (name == "frame" && minor_ >= 7 && has_word(known.attributes, name))
+        report_.spoil(e, what + " exists until SDF 1.6; use `relative_to`");
+      else if (name == "merge" && !same_value(a->Value(), "false"))
+        report_.spoil(e, what + " is not supported; remove it, so that the model is nested");
+      else if (has_word(known.attributes, name))
+        continue;
+      else if (has_word(known.noted, name) ||
+               (name.find(':') != name.npos && !name.starts_with("kaz:")))
+        report_.note(e, what);
+      else
+        report_.spoil(
+            e, what + " is unknown; " + sdf_tag(e) + " accepts " +
+                   (known.attributes.empty() ? "no attributes" : std::string(known.attributes)));
     }
-    for (auto* link = model.FirstChildElement("link"); link;
-         link = link->NextSiblingElement("link")) {
-      if (auto ok = check_inertial(*link); !ok) return ok;
-      for (auto* c = link->FirstChildElement("collision"); c;
-           c = c->NextSiblingElement("collision")) {
-        const Element* geometry = c->FirstChildElement("geometry");
-        if (geometry != nullptr && geometry->FirstChildElement("plane") != nullptr) {
-          return error(*geometry, "a plane collides only as part of a static model");
-        }
-      }
-    }
-    return {};
   }
 
-  // SDF's default for a link without <inertial> is 1 kg, which is wrong for any ball: it must be explicit.
-  Result<void> check_inertial(const Element& link) {
-    const Element* inertial = link.FirstChildElement("inertial");
-    if (inertial == nullptr) {
-      return error(link,
-                   "a link that can move lacks <inertial>; add it, or make the model "
-                   "<static>true</static>");
+  // Returns whether a visual or collision has a shape that is used. Else adds an objection or a note.
+  bool has_shape(const SdfXml& e) {
+    const SdfXml* geometry = e.FirstChildElement("geometry");
+    const SdfXml* shape = geometry ? geometry->FirstChildElement() : nullptr;
+    if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
+        geometry->NextSiblingElement("geometry") != nullptr) {
+      report_.object(e, sdf_tag(e) + " must contain one <geometry> with one shape");
+      return false;
     }
-    const Element* mass = inertial->FirstChildElement("mass");
-    const Element* inertia = inertial->FirstChildElement("inertia");
-    const auto of = [&](const char* moment, double otherwise) {
-      const Element* e = inertia->FirstChildElement(moment);
-      return e ? e->DoubleText() : otherwise;
+    const SdfElement* known = sdf_element("geometry", shape->Name());
+    const bool is_visual = std::string(e.Name()) == "visual";
+    const bool is_part = shape->FirstChildElement("submesh") != nullptr;
+    if (known != nullptr &&
+        (known->use == Use::noted || (is_visual && (known->use == Use::refused || is_part)))) {
+      report_.note(*shape, sdf_tag(e) + " with " + (is_part ? "<submesh>" : sdf_tag(*shape)));
+      return false;
+    }
+    if (!scan_.options.skip_missing_meshes || std::string(shape->Name()) != "mesh") return true;
+    const SdfXml* uri = shape->FirstChildElement("uri");
+    if (uri == nullptr || scan_.path.find(file_.path(), trimmed_text(*uri))) return true;
+    report_.note(*shape, "mesh `" + trimmed_text(*uri) + "`");
+    return false;
+  }
+
+  void write_tag(const SdfXml& e, const SdfElement& known) {
+    writer_.open(e.Name(), e.GetLineNum());
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a != nullptr; a = a->Next()) {
+      if (has_word(known.attributes, a->Name()) && std::string(a->Name()) != "auto")
+        writer_.attribute(a->Name(), a->Value());
+    }
+  }
+
+  std::string leaf_text(const SdfXml& e, const std::string& parent) {
+    const std::string name = e.Name(), text = trimmed_text(e);
+    if (name == "pose" && text.empty())
+      return e.Attribute("rotation_format", "quat_xyzw") ? "0 0 0 0 0 0 1" : "0 0 0 0 0 0";
+    if (name == "collide_bitmask") return std::to_string(bitmask(text).value_or(0));
+    if (name != "uri" || parent != "mesh") return text;
+    const auto path = scan_.path.find(file_.path(), text);
+    const auto wrong = path ? mesh_error(*path) : path.error().message;
+    if (wrong) report_.object(e, "mesh `" + text + "` " + *wrong);
+    return path.value_or("");
+  }
+
+  // Uses the direction of the first directional light. Returns false if the light is not used.
+  bool is_lamp(const SdfXml& light) {
+    if (scan_.out.to_lamp || light.Parent()->FirstChildElement("kaz:light") != nullptr)
+      return false;
+    scan_.out.to_lamp = direction_to_lamp(light);
+    return scan_.out.to_lamp.has_value();
+  }
+
+  // Writes a model in place of <include>, whose parts replace those of the included model.
+  void include(const SdfXml& e, bool fixed, std::set<std::string>& names) {
+    attributes(e, *sdf_element("world", "include"));
+    check_needs(e, report_);
+    check_no_text(e, report_);
+    const bool was_muted = writer_.is_muted();
+    writer_.mute(true);
+    children(e, "include", fixed);
+    writer_.mute(was_muted);
+    const SdfXml* uri = e.FirstChildElement("uri");
+    if (uri == nullptr || !report_.sound(*uri)) return;
+    const IncludedModel included = model_of(*uri, fixed, truth_of(e, "static"));
+    if (included.index < 0) return;
+    const auto text_of = [&](const char* child) {
+      const SdfXml* part = e.FirstChildElement(child);
+      return part == nullptr ? std::string() : trimmed_text(*part);
     };
-    const double kilograms = mass->DoubleText();
-    if (kilograms > 0 && kilograms < kMinMass)
-      return error(*mass, std::string("a mass of ") + mass->GetText() +
-                              " kg; a movable body must have 1e-9 to 10000 kg");
-    Eigen::Matrix3d tensor;                              // with the defaults of SDF
-    tensor << of("ixx", 1), of("ixy", 0), of("ixz", 0),  //
-        of("ixy", 0), of("iyy", 1), of("iyz", 0),        //
-        of("ixz", 0), of("iyz", 0), of("izz", 1);
-    if (!physical(kilograms, tensor)) {
-      return error(*inertia,
-                   "impossible mass or inertia: mass and principal moments must be above 0, and no "
-                   "principal moment may exceed the sum of the other two");
+    const std::string own = text_of("name"), name = own.empty() ? included.name : own,
+                      frame = text_of("placement_frame");
+    if (!names.insert("model " + name).second)
+      report_.object(e, "model `" + name + "` is already defined above; rename it");
+    if (!frame.empty() && e.FirstChildElement("pose") == nullptr)
+      report_.object(e, "<include> with <placement_frame> lacks <pose>");
+    scan_.out.is_plain = scan_.out.is_plain && level_ == 0;
+    scan_.out.nesting = std::max(scan_.out.nesting, level_);
+    writer_.open("model", e.GetLineNum());
+    writer_.attribute("name", name);
+    if (!frame.empty()) writer_.attribute("placement_frame", frame);
+    for (const char* part : {"static", "pose"}) {
+      const SdfXml* child = e.FirstChildElement(part);
+      if (child == nullptr) continue;
+      write_tag(*child, *sdf_element("include", part));
+      writer_.content(leaf_text(*child, "include"));
+      writer_.close(part);
     }
-    return {};
+    writer_.open(kSdfStub, e.GetLineNum());
+    writer_.attribute("file", std::to_string(included.index));
+    writer_.close(kSdfStub);
+    writer_.close("model");
   }
 
-  // With the link that it is about.
-  tl::unexpected<Error> error(const Element& at, const std::string& message) const {
-    for (const Element* e = &at; e != nullptr;
-         e = e->Parent() != nullptr ? e->Parent()->ToElement() : nullptr) {
-      const char* link = std::string(e->Name()) == "link" ? e->Attribute("name") : nullptr;
-      const Element* model = link && e->Parent() ? e->Parent()->ToElement() : nullptr;
-      const char* of = model ? model->Attribute("name") : nullptr;
-      if (link == nullptr) continue;
-      return file_.error(at, message + " (link `" + link + "`" +
-                                 (of ? " of model `" + std::string(of) + "`" : "") + ")");
+  IncludedModel model_of(const SdfXml& uri, bool fixed, std::optional<bool> is_static) {
+    const std::string what = "model `" + trimmed_text(uri) + "` ";
+    auto path = scan_.path.find(file_.path(), trimmed_text(uri));
+    if (path) path = scan_.path.model_file(*path);
+    if (!path) return report_.object(uri, what + path.error().message), IncludedModel();
+    const std::pair key(*path, 2 * (is_static ? 1 + *is_static : 0) + fixed);
+    if (const auto known = scan_.known.find(key); known != scan_.known.end()) {
+      if (!count_models(uri, known->second.models)) return {};
+      return known->second;
     }
-    return file_.error(at, message);
+    if (scan_.open.size() > kMaxSdfDepth || contains_name(scan_.open, *path))
+      return report_.object(uri, what + "includes itself, or files are included more than " +
+                                     std::to_string(kMaxSdfDepth) + " deep"),
+             IncludedModel();
+    const std::size_t before = scan_.models;
+    IncludedModel included;
+    const auto file = XmlFile::load(*path, "sdf");
+    if (!file) {
+      scan_.errors.push_back(file.error());
+      return included;
+    }
+    scan_.open.push_back(*path);
+    const int line = report_.line_of(uri);
+    const std::string text =
+        SdfFileCheck(scan_, *file, line).model(fixed, is_static, included.name);
+    scan_.open.pop_back();
+    if (!text.empty()) {
+      included.index = static_cast<int>(scan_.out.models.size());
+      scan_.out.models.push_back(text);
+    }
+    included.models = scan_.models - before;
+    return scan_.known[key] = included;
   }
 
+  SdfScan& scan_;
   const XmlFile& file_;
+  SdfReport report_;
+  SdfWriter writer_;
+  int minor_ = 0, level_ = 0;
+  const SdfXml* root_model_ = nullptr;
+  bool root_fixed_ = false;
 };
 
 }  // namespace
 
-Result<void> check_sdf(const std::string& path) {
-  const Result<XmlFile> file = XmlFile::load(path, "sdf");
-  if (!file) return tl::unexpected(file.error());
-  return Check(*file).run();
+std::optional<int> sdf_minor_version(std::string_view version) {
+  for (int minor = 0; minor <= kNewestMinor; ++minor) {
+    if (version == "1." + std::to_string(minor)) return minor;
+  }
+  return std::nullopt;
+}
+
+Result<CheckedSdf> check_sdf(const std::string& path, const ReadOptions& options) {
+  const auto file = KAZ_TRY(XmlFile::load(path, "sdf"));
+  SdfScan scan(options, path);
+  std::error_code ignored;
+  scan.open.push_back(std::filesystem::canonical(path, ignored).string());
+  scan.out.text = SdfFileCheck(scan, file, 0).world();
+  if (scan.errors.empty()) return std::move(scan.out);
+  Error error = scan.errors.front();
+  for (std::size_t i = 1; i < scan.errors.size(); ++i) {
+    error.details.push_back(scan.errors[i].message);
+    std::ranges::copy(scan.errors[i].details, std::back_inserter(error.details));
+  }
+  return tl::unexpected(std::move(error));
 }
 
 }  // namespace kaz::sim

@@ -1,15 +1,46 @@
-// Validates a world file. Unsupported elements are errors, so that no element is silently ignored.
+// Validates a world file and the files that it includes, and prepares them for libsdformat.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "shared/base/result.hpp"
+#include "sim/body/description/reading.h"
 
 namespace kaz::sim {
 
-// Checks elements, numbers, names and masses against the SDF subset in docs/reference/worlds.md. An error
-// message names file and line.
-Result<void> check_sdf(const std::string& path);
+// Names of the stub that replaces an <include>: <kaz:include file="INDEX"/> in a <model>. World files cannot
+// contain this element.
+inline constexpr const char* kSdfStub = "kaz:include";
+
+// Deepest nesting of models, and of files that include each other.
+inline constexpr int kMaxSdfDepth = 8;
+
+// A valid world. The texts contain only elements of sdf_schema(), each on its line of the file. Unused
+// elements are left out, paths of meshes are absolute, and empty poses are zero.
+struct CheckedSdf {
+  std::string text;
+  // Files of included models. Their element <sdf> has one <model>.
+  std::vector<std::string> models;
+  std::vector<FileNote> notes;
+  // Direction to the lamp of the first directional light, in the world frame, at least 3 degrees above the
+  // floor. Used without <kaz:light>.
+  std::optional<Eigen::Vector3d> to_lamp;
+  int nesting = 0;        // depth of nested models; 0: none
+  bool is_plain = true;   // no joints, frames, meshes or masks
+  bool is_recent = true;  // all files have SDF 1.7 or newer
+};
+
+// Checks elements, attributes, numbers, names and masses against the SDF subset in docs/reference/worlds.md
+// (sdf_elements.h). All errors of a file are reported together, with their lines.
+Result<CheckedSdf> check_sdf(const std::string& path, const ReadOptions& options);
+
+// Returns the minor number of a supported SDF version ("1.9": 9), or nullopt.
+std::optional<int> sdf_minor_version(std::string_view version);
 
 }  // namespace kaz::sim

@@ -95,14 +95,4 @@ constexpr const UrdfElement* urdf_element(std::string_view parent, std::string_v
   return nullptr;
 }
 
-// Returns whether `words`, separated by spaces, contain `word`.
-constexpr bool has_word(std::string_view words, std::string_view word) {
-  while (!words.empty()) {
-    const auto end = words.find(' ');
-    if (words.substr(0, end) == word) return true;
-    words = end == words.npos ? std::string_view() : words.substr(end + 1);
-  }
-  return false;
-}
-
 }  // namespace kaz::sim

@@ -4,119 +4,26 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
 #include <memory>
 
 #include <sdf/sdf.hh>
 
 #include "sim/body/description/sdf_check.h"
+#include "sim/body/description/sdf_link.h"
 #include "sim/body/description/sdf_schema.h"
+#include "sim/body/description/world_joints.h"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
 namespace {
 
-Eigen::Vector3d vector_of(const ignition::math::Vector3d& v) {
-  return {v.X(), v.Y(), v.Z()};
-}
-
-Eigen::Isometry3d pose_of(const ignition::math::Pose3d& p) {
-  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
-  const auto& q = p.Rot();
-  out.linear() = Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized().toRotationMatrix();
-  out.translation() = vector_of(p.Pos());
-  return out;
-}
-
-// Value of a descendant such as friction/ode/mu, or `otherwise` where the file has none.
-double value_at(sdf::ElementPtr element, std::initializer_list<const char*> path,
-                double otherwise) {
-  for (const char* name : path) {
-    if (!element || !element->HasElement(name)) return otherwise;
-    element = element->GetElement(name);
-  }
-  return element->Get<double>();
-}
-
-// Attributes of our own elements. The parser keeps them as text; check_sdf() has validated them.
-std::vector<double> numbers(const sdf::ElementPtr& element, const char* attribute,
-                            std::size_t count) {
-  return parse_numbers(element->GetAttribute(attribute)->GetAsString(), count).value();
-}
-
-Shape shape_of(const sdf::Geometry& geometry) {
-  Shape shape;
-  switch (geometry.Type()) {
-    case sdf::GeometryType::SPHERE:
-      shape.kind = Shape::Kind::sphere;
-      shape.size.x() = geometry.SphereShape()->Radius();
-      break;
-    case sdf::GeometryType::CYLINDER:
-      shape.kind = Shape::Kind::cylinder;
-      shape.size = {geometry.CylinderShape()->Radius(), geometry.CylinderShape()->Length(), 0};
-      break;
-    case sdf::GeometryType::CAPSULE:
-      shape.kind = Shape::Kind::capsule;
-      shape.size = {geometry.CapsuleShape()->Radius(), geometry.CapsuleShape()->Length(), 0};
-      break;
-    case sdf::GeometryType::PLANE:
-      shape.kind = Shape::Kind::plane;
-      shape.size = {geometry.PlaneShape()->Size().X(), geometry.PlaneShape()->Size().Y(), 0};
-      break;
-    default:
-      shape.kind = Shape::Kind::box;
-      shape.size = vector_of(geometry.BoxShape()->Size());
-      break;
-  }
-  return shape;
-}
-
-// Our planes have their normal along z.
-Eigen::Isometry3d turn_of(const sdf::Geometry& geometry) {
-  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
-  if (geometry.Type() == sdf::GeometryType::PLANE) {
-    turn.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
-                                                       vector_of(geometry.PlaneShape()->Normal()))
-                        .toRotationMatrix();
-  }
-  return turn;
-}
-
-Surface surface_of(const sdf::ElementPtr& collision) {
-  Surface surface;
-  if (!collision->HasElement("surface")) return surface;
-  const sdf::ElementPtr e = collision->GetElement("surface");
-  surface.mu = value_at(e, {"friction", "ode", "mu"}, surface.mu);
-  surface.softness = value_at(e, {"contact", "ode", "soft_cfm"}, surface.softness);
-  surface.restitution = value_at(e, {"bounce", "restitution_coefficient"}, surface.restitution);
-  surface.bounce_threshold = value_at(e, {"bounce", "threshold"}, surface.bounce_threshold);
-  if (e->HasElement("kaz:rolling_resistance")) {
-    surface.rolling_resistance =
-        numbers(e->GetElement("kaz:rolling_resistance"), "metres", 1).front();
-  }
-  return surface;
-}
-
-Visual look_of(const sdf::Visual& visual, const std::string& link) {
-  Visual look;
-  look.name = link + "/" + visual.Name();
-  look.shape = shape_of(*visual.Geom());
-  look.in_frame = pose_of(visual.RawPose()) * turn_of(*visual.Geom());
-  if (const sdf::Material* material = visual.Material()) {
-    const auto& color = material->Diffuse();
-    look.color = {color.R(), color.G(), color.B()};
-  }
-  if (visual.Element()->HasElement("kaz:texture")) {
-    look.texture = visual.Element()->GetElement("kaz:texture")->GetAttribute("name")->GetAsString();
-  }
-  return look;
-}
-
 std::vector<Kick> kicks_of(const sdf::Model& model) {
   std::vector<Kick> kicks;
   for (auto e = model.Element()->GetFirstElement(); e; e = e->GetNextElement()) {
     if (e->GetName() != "kaz:kick") continue;
-    const std::vector<double> v = numbers(e, "velocity", 3);
-    kicks.push_back({numbers(e, "time", 1).front(), {v[0], v[1], v[2]}});
+    const std::vector<double> v = own_numbers(e, "velocity", 3);
+    kicks.push_back({own_numbers(e, "time", 1).front(), {v[0], v[1], v[2]}});
   }
   std::stable_sort(kicks.begin(), kicks.end(),
                    [](const Kick& a, const Kick& b) { return a.time_s < b.time_s; });
@@ -128,8 +35,8 @@ std::vector<Push> pushes_of(const sdf::ElementPtr& robot, const Eigen::Isometry3
   std::vector<Push> pushes;
   for (auto e = robot->GetFirstElement(); e; e = e->GetNextElement()) {
     if (e->GetName() != "kaz:push") continue;
-    const std::vector<double> v = numbers(e, "impulse", 3);
-    pushes.push_back({numbers(e, "time", 1).front(), e->GetAttribute("link")->GetAsString(),
+    const std::vector<double> v = own_numbers(e, "impulse", 3);
+    pushes.push_back({own_numbers(e, "time", 1).front(), e->GetAttribute("link")->GetAsString(),
                       start.linear() * Eigen::Vector3d(v[0], v[1], v[2])});
   }
   std::stable_sort(pushes.begin(), pushes.end(),
@@ -137,41 +44,47 @@ std::vector<Push> pushes_of(const sdf::ElementPtr& robot, const Eigen::Isometry3
   return pushes;
 }
 
-RigidLink rigid_of(const sdf::Link& link, const std::string& name) {
-  RigidLink rigid;
-  rigid.name = name;
-  const ignition::math::Inertiald& in = link.Inertial();
-  const ignition::math::Matrix3d tensor = in.Moi();
-  rigid.mass = in.MassMatrix().Mass();
-  rigid.com = vector_of(in.Pose().Pos());
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) {
-      rigid.inertia(r, c) = tensor(static_cast<std::size_t>(r), static_cast<std::size_t>(c));
-    }
-  }
-  for (std::uint64_t i = 0; i < link.CollisionCount(); ++i) {
-    const sdf::Collision& collision = *link.CollisionByIndex(i);
-    rigid.collisions.push_back({pose_of(collision.RawPose()) * turn_of(*collision.Geom()),
-                                shape_of(*collision.Geom()), surface_of(collision.Element())});
-  }
-  for (std::uint64_t i = 0; i < link.VisualCount(); ++i) {
-    rigid.visuals.push_back(look_of(*link.VisualByIndex(i), name));
-  }
-  return rigid;
+Eigen::Isometry3d model_pose(const sdf::Model& model, bool nested) {
+  const std::string scope = nested ? "__model__" : "";
+  const sdf::SemanticPose pose = model.SemanticPose();
+  if (model.PlacementFrameName().empty()) return pose_in(pose, scope);
+  ignition::math::Pose3d resolved = pose.RawPose();
+  (void)pose.Resolve(resolved, scope);
+  return from_sdf(resolved);
 }
 
-void add(const sdf::Model& model, WorldModel& out) {
-  for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
-    const sdf::Link& link = *model.LinkByIndex(i);
-    WorldBody body;
-    body.model = model.Name();
-    body.fixed = model.Static();
-    body.pose = pose_of(model.RawPose()) * pose_of(link.RawPose());
-    body.rigid = rigid_of(link, model.Name() + "/" + link.Name());
-    if (i == 0) body.kicks = kicks_of(model);
-    out.bodies.push_back(std::move(body));
+// Collects the bodies and joints of all models.
+struct ModelReader {
+  const ReadOptions& options;
+  WorldModel& out;
+  std::map<std::string, int> body_of = {};  // by "model::link"
+  std::vector<SdfJoint> joints = {};
+
+  // `outer`: name of the model that contains `model`, or nothing. check_sdf() has limited the depth.
+  Result<void> add(const sdf::Model& model, const std::string& outer,
+                   const Eigen::Isometry3d& outer_pose, bool fixed) {
+    const bool nested = !outer.empty();
+    const std::string name = nested ? outer + "::" + model.Name() : model.Name();
+    const Eigen::Isometry3d own = model_pose(model, nested), pose = nested ? outer_pose * own : own;
+    fixed = fixed || model.Static();
+    for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
+      const sdf::Link& link = *model.LinkByIndex(i);
+      WorldBody body;
+      body.model = name;
+      body.fixed = fixed;
+      body.pose = pose * pose_in(link.SemanticPose(), "");
+      body.rigid = KAZ_TRY(rigid_of(link, name + "/" + link.Name(), options));
+      if (i == 0) body.kicks = kicks_of(model);
+      body_of[name + "::" + link.Name()] = static_cast<int>(out.bodies.size());
+      out.bodies.push_back(std::move(body));
+    }
+    for (std::uint64_t i = 0; i < model.JointCount(); ++i)
+      joints.push_back({model.JointByIndex(i), name, pose});
+    for (std::uint64_t i = 0; i < model.ModelCount(); ++i)
+      KAZ_TRY(add(*model.ModelByIndex(i), name, pose, fixed));
+    return {};
   }
-}
+};
 
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
@@ -198,54 +111,118 @@ tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& pat
   return fail(Fault::usage, path + ": " + line_of(errors.front().Message()));
 }
 
-}  // namespace
-
-Result<WorldModel> load_world(const std::string& sdf_path, const ReadOptions& options) {
-  (void)options;
-  if (const Result<void> ok = check_sdf(sdf_path); !ok) return tl::unexpected(ok.error());
+sdf::ParserConfig parser_config(bool is_recent) {
   sdf::ParserConfig config;
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
-  config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
-  config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::ERR);
+  // Older versions permit names that are not unique.
+  config.SetWarningsPolicy(is_recent ? sdf::EnforcementPolicy::ERR : sdf::EnforcementPolicy::LOG);
+  config.SetDeprecatedElementsPolicy(is_recent ? sdf::EnforcementPolicy::ERR
+                                               : sdf::EnforcementPolicy::LOG);
   // No external resources: no model paths, no downloads.
   config.SetFindCallback([](const std::string&) { return std::string(); });
-  // The parser also prints its errors: silence it.
-  sdf::Console::Instance()->SetQuiet(true);
-  sdf::Root root;
-  try {
-    const auto parsed = std::make_shared<sdf::SDF>();
+  return config;
+}
+
+// Parses the texts of check_sdf() and puts the included models in place.
+struct SdfParser {
+  const CheckedSdf& checked;
+  const std::string& path;
+  sdf::ParserConfig config = parser_config(checked.is_recent);
+  std::string schema = sdf_schema(checked.is_plain && checked.models.empty(), checked.nesting);
+
+  Result<sdf::SDFPtr> parse(const std::string& text) const {
+    auto parsed = std::make_shared<sdf::SDF>();
     sdf::Errors errors;
-    if (!sdf::initString(kSdfSchema, parsed) || !sdf::readFile(sdf_path, config, parsed, errors)) {
-      if (!errors.empty()) return first_of(errors, sdf_path);
-      return fail(Fault::usage, sdf_path +
-                                    ": the SDF parser rejects it without a reason; check that "
-                                    "<sdf> has version=\"1.9\"");
+    if (!sdf::initString(schema, parsed) || !sdf::readString(text, config, parsed, errors)) {
+      if (!errors.empty()) return first_of(errors, path);
+      return fail(Fault::usage, path + ": the SDF parser rejects it without a reason");
     }
-    for (const sdf::Error& error : root.Load(parsed, config)) errors.push_back(error);
-    if (!errors.empty()) return first_of(errors, sdf_path);
-  } catch (const std::exception& thrown) {
-    return fail(Fault::usage, sdf_path + ": the SDF parser rejects it: " + line_of(thrown.what()));
+    if (!errors.empty()) return first_of(errors, path);
+    KAZ_TRY(expand(parsed->Root()));
+    return parsed;
   }
-  const sdf::World& world = *root.WorldByIndex(0);
-  WorldModel out;
-  out.gravity = vector_of(world.Gravity());
+
+  // Replaces the stubs below `element`.
+  Result<void> expand(const sdf::ElementPtr& element) const {
+    for (auto e = element->GetFirstElement(); e; e = e->GetNextElement()) {
+      if (e->GetName() == "world") KAZ_TRY(expand(e));
+      if (e->GetName() != "model") continue;
+      if (e->HasElement(kSdfStub))
+        KAZ_TRY(fill(e));
+      else
+        KAZ_TRY(expand(e));
+    }
+    return {};
+  }
+
+  // As libsdformat does it: parts of the <include> replace those of the model.
+  Result<void> fill(const sdf::ElementPtr& model) const {
+    const sdf::ElementPtr stub = model->GetElement(kSdfStub);
+    const auto index = std::stoul(stub->GetAttribute("file")->GetAsString());
+    const auto parsed = KAZ_TRY(parse(checked.models.at(index)));
+    const sdf::ElementPtr included = parsed->Root()->GetElement("model");
+    model->RemoveChild(stub);
+    const bool has_pose = model->HasElement("pose"), is_static = model->HasElement("static");
+    for (const char* name : {"canonical_link", "placement_frame"}) {
+      const std::string own = model->Get<std::string>(name);
+      if (own.empty()) model->GetAttribute(name)->SetFromString(included->Get<std::string>(name));
+    }
+    for (auto e = included->GetFirstElement(); e; e = e->GetNextElement()) {
+      if ((e->GetName() == "pose" && has_pose) || (e->GetName() == "static" && is_static)) continue;
+      const sdf::ElementPtr copy = e->Clone();
+      copy->SetParent(model);
+      model->InsertElement(copy);
+    }
+    return {};
+  }
+};
+
+Result<void> read_world(const sdf::World& world, const CheckedSdf& checked,
+                        const ReadOptions& options, WorldModel& out) {
+  out.gravity = from_sdf(world.Gravity());
   if (world.Element()->HasElement("kaz:robot")) {
     const sdf::ElementPtr robot = world.Element()->GetElement("kaz:robot");
-    const auto p = numbers(robot, "pose", 6);
-    out.robot_start = pose_of(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
+    const auto p = own_numbers(robot, "pose", 6);
+    out.robot_start = from_sdf(ignition::math::Pose3d(p[0], p[1], p[2], p[3], p[4], p[5]));
     out.pushes = pushes_of(robot, out.robot_start);
     if (const auto feet = robot->GetAttribute("first_step"); feet)
       out.feet = words_of(feet->GetAsString());
   }
   if (world.Element()->HasElement("kaz:light")) {
     const sdf::ElementPtr e = world.Element()->GetElement("kaz:light");
-    const auto to_lamp = numbers(e, "to_lamp", 3);
+    const auto to_lamp = own_numbers(e, "to_lamp", 3);
     out.light = {{to_lamp[0], to_lamp[1], to_lamp[2]},
-                 numbers(e, "lamp", 1).front(),
-                 numbers(e, "shade", 1).front()};
+                 own_numbers(e, "lamp", 1).front(),
+                 own_numbers(e, "shade", 1).front()};
+  } else if (checked.to_lamp) {
+    out.light.to_key = *checked.to_lamp;
   }
-  for (std::uint64_t i = 0; i < world.ModelCount(); ++i) add(*world.ModelByIndex(i), out);
-  return out;
+  ModelReader reader{options, out};
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i)
+    KAZ_TRY(reader.add(*world.ModelByIndex(i), "", Eigen::Isometry3d::Identity(), false));
+  return add_joints(reader.joints, reader.body_of, out);
+}
+
+}  // namespace
+
+Result<WorldModel> load_world(const std::string& sdf_path, const ReadOptions& options) {
+  const CheckedSdf checked = KAZ_TRY(check_sdf(sdf_path, options));
+  // The parser also prints its errors: silence it.
+  sdf::Console::Instance()->SetQuiet(true);
+  try {
+    const SdfParser parser{checked, sdf_path};
+    const auto parsed = KAZ_TRY(parser.parse(checked.text));
+    sdf::Root root;
+    if (const sdf::Errors errors = root.Load(parsed, parser.config); !errors.empty())
+      return first_of(errors, sdf_path);
+    WorldModel out;
+    out.notes = checked.notes;
+    if (const auto read = read_world(*root.WorldByIndex(0), checked, options, out); !read)
+      return fail(Fault::usage, sdf_path + ": " + read.error().message);
+    return out;
+  } catch (const std::exception& thrown) {
+    return fail(Fault::usage, sdf_path + ": the SDF parser rejects it: " + line_of(thrown.what()));
+  }
 }
 
 }  // namespace kaz::sim
