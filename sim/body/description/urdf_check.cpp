@@ -11,6 +11,7 @@
 #include "sim/body/description/joint_names.h"
 #include "sim/body/description/mesh_check.h"
 #include "sim/body/description/rigid_link.h"
+#include "sim/body/description/urdf_mimic.h"
 #include "sim/body/description/urdf_schema.h"
 
 namespace kaz::sim {
@@ -37,7 +38,8 @@ constexpr Numbers kNumbers[] = {
     {"inertia", "iyz", 1, false},       {"limit", "lower", 1, false},
     {"limit", "upper", 1, false},       {"limit", "effort", 1, false},
     {"limit", "velocity", 1, false},    {"dynamics", "damping", 1, false},
-    {"dynamics", "friction", 1, false},
+    {"dynamics", "friction", 1, false}, {"mimic", "multiplier", 1, false},
+    {"mimic", "offset", 1, false},
 };
 
 // Bounds against wrong units, such as millimetres for metres.
@@ -74,6 +76,8 @@ class Check {
     // Errors that would only follow from a wrong joint are left out.
     if (joints_sound_) {
       check_tree();
+      resolve_mimics(urdf_,
+                     [this](const Element& at, const std::string& text) { object(at, text); });
       check_names();
     }
     surfaces();
@@ -116,7 +120,8 @@ class Check {
   // Parts of links and joints that are not needed for their names and limits.
   static bool skipped(const std::string& parent, const std::string& child) {
     if (parent == "link" || parent == "material") return true;
-    return parent == "joint" && child != "parent" && child != "child" && child != "limit";
+    return parent == "joint" && child != "parent" && child != "child" && child != "limit" &&
+           child != "mimic";
   }
 
   // Returns the entry of a child that may stand there, else adds an objection and returns null.
@@ -412,7 +417,7 @@ class Check {
   void check_names() {
     std::vector<std::string> turning;
     for (const Element* joint : urdf_.joints) {
-      if (urdf_.turns(*joint)) turning.emplace_back(joint->Attribute("name"));
+      if (urdf_.has_motor(*joint)) turning.emplace_back(joint->Attribute("name"));
     }
     if (turning.empty())
       return object(root(), "robot has no revolute joint; a robot needs at least one");
@@ -428,7 +433,7 @@ class Check {
     }
     for (const Element* joint : urdf_.joints) {
       const std::string name = joint->Attribute("name");
-      if (urdf_.turns(*joint) && std::ranges::count(table, name) == 0)
+      if (urdf_.has_motor(*joint) && std::ranges::count(table, name) == 0)
         object(*joint, "joint `" + name +
                            "` is not a joint of the servo board (shared/board/joints.def): correct "
                            "the joint's name, or make the joint fixed");
@@ -450,6 +455,10 @@ bool Urdf::turns(const Element& joint) const {
   return type == "revolute" || type == "continuous";
 }
 
+bool Urdf::has_motor(const Element& joint) const {
+  return turns(joint) && !mimics.contains(joint.Attribute("name"));
+}
+
 Eigen::Matrix3d tensor_of(const Element& inertia) {
   const auto of = [&](const char* moment) { return number_of(inertia, moment, 0); };
   Eigen::Matrix3d tensor;
@@ -461,7 +470,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
 
 Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options) {
   auto file = KAZ_TRY(XmlFile::load(path, "robot"));
-  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}};
+  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;
 }

@@ -341,7 +341,7 @@ void OdeWorld::solve() {
 // checked before.
 void OdeWorld::check_solver() {
   for (std::size_t i = 0; i < joint_states_.size(); ++i) {
-    if (!joint_can_turn(i, joint_states_[i].velocity)) return;
+    if (!joint_can_turn(model_->joint_order[i], joint_states_[i].velocity)) return;
   }
   for (std::size_t i = 0; i < bodies().size(); ++i) {
     const dBodyID id = body(static_cast<int>(i));

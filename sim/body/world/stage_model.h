@@ -66,7 +66,7 @@ struct StageModel {
   void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
   int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
   void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
-  void add_object(const WorldBody& object, double step_s);
+  void add_object(const WorldBody& object, int group, double step_s);
   void add_push(const Push& push, double step_s);
 };
 
