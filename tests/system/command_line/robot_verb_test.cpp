@@ -61,6 +61,28 @@ TEST(RobotVerb, WritesFilesWithWhichTheRobotRuns) {
   EXPECT_EQ(read_file(folder / "bus.json"), "mine");
 }
 
+// A joint that follows another joint counts as no joint of the board, and needs no servo.
+TEST(RobotVerb, ListsJointsThatFollow) {
+  const TemporaryFolder folder;
+  std::string text = kArm;
+  text.insert(text.rfind("</robot>"),
+              "<link name='jaw'><inertial><mass value='0.1'/><inertia ixx='1e-4' iyy='1e-4' "
+              "izz='1e-4'/></inertial></link><joint name='jaw' type='revolute'><parent link='arm'/>"
+              "<child link='jaw'/><limit lower='-1' upper='2' effort='0' velocity='0'/>"
+              "<mimic joint='tilt' multiplier='-2' offset='0.5'/></joint>");
+  write_file(folder / "lamp.urdf", text);
+  const Finished check = run(kaz({"robot", "check", folder / "lamp.urdf", "--write"}));
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  for (const char* part : {"lamp: 1 joints, 3 links", "jaw = -2 * tilt +0.5 rad (no motor)",
+                           "tilt                           -0.7500    0.7500"})
+    EXPECT_NE(check.out.find(part), std::string::npos) << part << "\n" << check.out;
+  EXPECT_EQ(read_file(folder / "bus.json").find("jaw"), std::string::npos);
+  const auto json = parse_json(run(kaz({"robot", "check", folder / "lamp.urdf", "--json"})).out);
+  EXPECT_TRUE(json["joints"][0]["follows"].is_null());
+  EXPECT_EQ(json["joints"][1]["follows"]["joint"], "tilt");
+  EXPECT_EQ(json["joints"][1]["follows"]["ratio"], -2);
+}
+
 TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
   const TemporaryFolder folder;
   write_file(folder / "lamp.urdf", kArm);
