@@ -80,6 +80,21 @@ Result<void> check_followers(const RobotModel& robot) {
   return {};
 }
 
+// ODE's passive hinges measure angles within half a turn, and damping and friction share one row.
+Result<void> check_passive_joints(const WorldModel& world) {
+  for (const WorldJoint& joint : world.joints) {
+    const auto beyond = [](double limit) { return std::isfinite(limit) && std::abs(limit) > 3.1; };
+    const bool turns = joint.kind == WorldJoint::Kind::revolute;
+    const char* why = nullptr;
+    if (turns && (beyond(joint.lower) || beyond(joint.upper))) why = "a limit beyond 3.1 rad";
+    if (joint.damping > 0 && joint.friction > 0) why = "damping and friction";
+    if (why == nullptr) continue;
+    return fail(Fault::usage, "joint `" + joint.name + "` of the world has " + why +
+                                  ", which only --dynamics reduced supports; leave out --dynamics");
+  }
+  return {};
+}
+
 // ODE's hinges measure angles within half a turn.
 Result<void> check_hinges(const RobotModel& robot) {
   constexpr double kLargestLimit = 3.1;  // rad; the stop is one degree beyond the limit
@@ -144,6 +159,7 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   KAZ_TRY(check_pushes(world, robot, options.hung));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
   KAZ_TRY(check_followers(robot));
+  KAZ_TRY(check_passive_joints(world));
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
 

@@ -152,6 +152,7 @@ void OdeWorld::build() {
       ode_.get(), dThreadingImplementationGetFunctions(threading_.get()), threading_.get());
   make_bodies();
   for (Joint& joint : ode_joints_) build_joint(joint);
+  for (const WorldJoint& joint : model_->joints) build_passive_joint(joint);
   if (hung_) hang();
 }
 
@@ -173,7 +174,7 @@ void OdeWorld::make_bodies() {
     dMatrix3 rotation;
     to_ode(body.start.linear(), rotation);
     dBodySetRotation(id, rotation);
-    if (number >= robot_links_) sleep_.add(id);
+    if (number >= robot_links_ && !model_->has_joint(static_cast<int>(number))) sleep_.add(id);
   }
 }
 

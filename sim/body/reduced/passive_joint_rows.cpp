@@ -24,24 +24,19 @@ constexpr double kPassiveStopWatch = 0.02;  // rad or m, distance from which a s
 
 }  // namespace
 
-void ReducedWorld::add_passive_joints(const WorldModel& world) {
-  // Index into objects_, or -1.
-  std::vector<int> object_of;
-  int objects = 0;
-  for (const WorldBody& body : world.bodies) object_of.push_back(body.fixed ? -1 : objects++);
+void ReducedWorld::add_passive_joints() {
   auto layout = std::make_shared<Layout>(*layout_);
-  layout->jointed.assign(objects_.size(), false);
-  for (const WorldJoint& from : world.joints) {
-    const auto index = [&](int body) {
-      return body < 0 ? -1 : object_of[static_cast<std::size_t>(body)];
-    };
+  const auto index = [this](int body) {
+    return body < 0 ? -1 : body - static_cast<int>(robot_links_);
+  };
+  for (std::size_t i = robot_links_; i < bodies().size(); ++i)
+    layout->jointed.push_back(model_->has_joint(static_cast<int>(i)));
+  for (const WorldJoint& from : model_->joints) {
     const int parent = index(from.parent), child = index(from.child);
     PassiveJoint joint(from, object_or_null(parent), object_or_null(child));
     joint.parent = parent;
     joint.child = child;
-    for (const int i : {parent, child})
-      if (i >= 0) layout->jointed[static_cast<std::size_t>(i)] = true;
-    if (parent >= 0 || child >= 0) layout->passive.push_back(joint);
+    layout->passive.push_back(joint);
   }
   passive_angle_.assign(layout->passive.size(), 0.0);
   layout_ = std::move(layout);

@@ -204,6 +204,52 @@ TEST(PassiveJoint, BallJointHoldsItsPoint) {
   EXPECT_GT(across, 0.05);
 }
 
+// Two rods and a bar form a parallelogram: one joint more than a tree has, and five redundant rows. The bar
+// stays level.
+TEST(PassiveJoint, ClosedLoopsAreSolved) {
+  const Vector3d left(0, 0, kPivotHeight), right(test::kRodLength, 0, kPivotHeight);
+  WorldModel around = pendulum(0.8);
+  around.bodies.push_back(turned_rod("other", right, 0.8));
+  const Vector3d corner = lower_end(around.bodies[0].pose);
+  around.bodies.push_back(turned_rod("bar", corner, -std::numbers::pi / 2));
+  around.joints.push_back(joint_about_y(-1, 1, right));
+  around.joints.push_back(joint_about_y(0, 2, corner));
+  around.joints.push_back(joint_about_y(1, 2, lower_end(around.bodies[1].pose)));
+  ReducedWorld world = reduced(around);
+  double lowest = 0;
+  for (int i = 0; i < 2000; ++i) {
+    world.step({}, 0);
+    const Eigen::Isometry3d bar = pose_of_body(world, 2);
+    ASSERT_LT((lower_end(pose_of_body(world, 0)) - bar.translation()).norm(), 1e-4) << i;
+    ASSERT_LT((lower_end(pose_of_body(world, 1)) - lower_end(bar)).norm(), 1e-4) << i;
+    ASSERT_LT(std::abs(bar.translation().z() - lower_end(bar).z()), 1e-4) << i;
+    lowest = std::min(lowest, world.passive_joints()[0]);
+  }
+  EXPECT_LT(lowest, -1.5);
+  EXPECT_EQ(world.diagnostics().unconverged_steps, 0);
+}
+
+// Two blocks with a hinge between them come to rest on the floor, as a heap of blocks without one does.
+TEST(PassiveJoint, JointedBodiesRestOnTheFloor) {
+  WorldModel around = test::floor_of(Surface{}, {0, 0, -9.81});
+  for (const double x : {-0.05, 0.05}) {
+    WorldBody block =
+        test::thing(test::box(x < 0 ? "machine/a" : "machine/b", 0.2, {0.1, 0.05, 0.03}, Surface{}),
+                    {x, 0, 0.1});
+    block.model = "machine";
+    around.bodies.push_back(block);
+  }
+  around.joints.push_back(joint_about_y(1, 2, {0, 0, 0.1}));
+  ReducedWorld world = reduced(around);
+  for (int i = 0; i < 2000; ++i) world.step({}, 0);
+  const Vector3d before = pose_of_body(world, 0).translation();
+  EXPECT_NEAR(before.z(), 0.015, 1e-3);
+  for (int i = 0; i < 100; ++i) world.step({}, 0);
+  EXPECT_LT((pose_of_body(world, 0).translation() - before).norm(), 1e-5);
+  EXPECT_NEAR(world.passive_joints()[0], 0, 1e-3);
+  EXPECT_EQ(world.diagnostics().unconverged_steps, 0);
+}
+
 // Bodies of one model that a joint connects do not collide, although they overlap.
 TEST(PassiveJoint, JointedBodiesOfAModelDoNotCollide) {
   const auto run = [](bool jointed) {
@@ -220,6 +266,78 @@ TEST(PassiveJoint, JointedBodiesOfAModelDoNotCollide) {
   };
   EXPECT_EQ(run(true), 0);
   EXPECT_GT(run(false), 0);
+}
+
+// The same joints on ODE, which brakes a little: half a swing, the stop, the slider and the ball.
+class PassiveJointOn : public testing::TestWithParam<const char*> {
+ protected:
+  std::unique_ptr<StagedWorld> world(const WorldModel& around) {
+    WorldOptions options;
+    options.dynamics = GetParam();
+    auto made = make_world(around, test::fixed_place(), test::free_motor(), options);
+    EXPECT_TRUE(made) << made.error().message;
+    return made ? std::move(*made) : nullptr;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Dynamics, PassiveJointOn, testing::Values("quick50", "exact", "reduced"));
+
+TEST_P(PassiveJointOn, SwingsAndStops) {
+  WorldModel around = pendulum(1);
+  const auto free = world(around);
+  around.joints[0].lower = -0.5;
+  const auto stopped = world(around);
+  const auto copy = *stopped->clone();
+  double farthest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    free->step({}, 0);
+    stopped->step({}, 0);
+    copy->step({}, 0);
+    farthest = std::max(farthest, lower_end(free->pose().frames[2]).x());
+    ASSERT_LT((free->pose().frames[2].translation() - Vector3d(0, 0, kPivotHeight)).norm(), 1e-3);
+  }
+  EXPECT_NEAR(farthest, test::kRodLength * std::sin(1.0), 0.01);
+  const double held = -test::kRodLength * std::sin(0.5);
+  EXPECT_NEAR(lower_end(stopped->pose().frames[2]).x(), held, 1e-3);
+  EXPECT_EQ(copy->pose().frames[2].matrix(), stopped->pose().frames[2].matrix());
+}
+
+TEST_P(PassiveJointOn, SlidesWithDamping) {
+  WorldModel around = pendulum(0);
+  around.joints[0].kind = WorldJoint::Kind::prismatic;
+  around.joints[0].axis = Vector3d::UnitZ();
+  around.joints[0].damping = 2;
+  const auto sliding = world(around);
+  for (int i = 0; i < 1000; ++i) sliding->step({}, 0);
+  const double before = sliding->pose().frames[2].translation().z();
+  sliding->step({}, 0);
+  const double speed = (before - sliding->pose().frames[2].translation().z()) / sliding->step_s();
+  EXPECT_NEAR(speed, test::kRodMass * 9.81 / 2, 1e-3);
+}
+
+TEST_P(PassiveJointOn, FrictionHolds) {
+  WorldModel around = pendulum(0.5);
+  around.joints[0].friction = 1;
+  const auto held = world(around);
+  for (int i = 0; i < 500; ++i) held->step({}, 0);
+  EXPECT_LT((held->pose().frames[2].matrix() - around.bodies[0].pose.matrix()).norm(), 1e-3);
+}
+
+TEST(PassiveJoint, OdeRefusesWhatItCannotDo) {
+  WorldOptions options;
+  options.dynamics = "exact";
+  WorldModel around = pendulum(0.5);
+  around.joints[0].upper = 4;
+  const auto far = make_world(around, test::fixed_place(), test::free_motor(), options);
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().message,
+            "joint `machine/joint` of the world has a limit beyond 3.1 rad, which only --dynamics "
+            "reduced supports; leave out --dynamics");
+  around = pendulum(0.5);
+  around.joints[0].friction = around.joints[0].damping = 1;
+  const auto both = make_world(around, test::fixed_place(), test::free_motor(), options);
+  ASSERT_FALSE(both);
+  EXPECT_NE(both.error().message.find("damping and friction"), std::string::npos);
 }
 
 TEST(PassiveJoint, ContinuesFromCloneAndSavedState) {

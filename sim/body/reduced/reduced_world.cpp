@@ -28,7 +28,7 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
       velocity_before_(static_cast<std::size_t>(tree_.dofs()), 0.0) {
   for (std::size_t i = robot_links_; i < bodies().size(); ++i)
     objects_.emplace_back(bodies()[i].rigid, bodies()[i].start);
-  add_passive_joints(world);
+  add_passive_joints();
   for (const Follower& follower : layout_->followers)
     tree_.angle[tree_.index_of_dof(follower.dof)] = follower.offset;
   if (!layout_->followers.empty()) tree_.place();

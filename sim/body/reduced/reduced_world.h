@@ -147,7 +147,7 @@ class ReducedWorld final : public StagedWorld {
   const FreeBody* object_or_null(int number) const {
     return number < 0 ? nullptr : &objects_[static_cast<std::size_t>(number)];
   }
-  void add_passive_joints(const WorldModel& world);
+  void add_passive_joints();
   void make_passive_rows(Work& work) const;
   void make_passive_axis_rows(Work& work, std::size_t number, const Eigen::Vector3d& at,
                               const Eigen::Vector3d& axis) const;

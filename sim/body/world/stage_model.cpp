@@ -44,8 +44,10 @@ StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
   scene.robot_start = world.robot_start;
   add_robot(robot, root_at_start(world, robot, options.hung));
   const std::vector<int> groups = groups_of(world);
+  std::vector<int> numbers;
   for (std::size_t i = 0; i < world.bodies.size(); ++i)
-    add_object(world.bodies[i], groups[i], options.step_s);
+    numbers.push_back(add_object(world.bodies[i], groups[i], options.step_s));
+  add_joints(world, numbers);
   for (const std::string& foot : world.feet) feet.push_back(link_frames.at(foot).link);
   for (const Push& push : world.pushes) add_push(push, options.step_s);
   // Latest first: the next kick is taken from the end; equal times keep the order of the file.
@@ -92,12 +94,12 @@ void StageModel::add_robot(const RobotModel& robot, const Eigen::Isometry3d& roo
   }
 }
 
-void StageModel::add_object(const WorldBody& object, int group, double step_s) {
+int StageModel::add_object(const WorldBody& object, int group, double step_s) {
   if (object.fixed) {
     contacts.add_object(object.rigid, -1, object.pose, group);
     add_visuals(object.rigid, 0, object.pose);
     fixed_objects.emplace(object.model, object.pose);
-    return;
+    return -1;
   }
   const int body = add_body(object.rigid, object.pose, true);
   contacts.add_object(object.rigid, body, object.pose, group);
@@ -106,6 +108,21 @@ void StageModel::add_object(const WorldBody& object, int group, double step_s) {
   for (const sim::Kick& kick : object.kicks) {
     kicks.push_back({std::llround(kick.time_s / step_s), body, kick.velocity});
   }
+  return body;
+}
+
+void StageModel::add_joints(const WorldModel& world, const std::vector<int>& numbers) {
+  for (WorldJoint joint : world.joints) {
+    for (int* body : {&joint.parent, &joint.child})
+      if (*body >= 0) *body = numbers[static_cast<std::size_t>(*body)];
+    if (joint.parent >= 0 || joint.child >= 0) joints.push_back(std::move(joint));
+  }
+}
+
+bool StageModel::has_joint(int body) const {
+  return std::ranges::any_of(joints, [body](const WorldJoint& joint) {
+    return joint.parent == body || joint.child == body;
+  });
 }
 
 void StageModel::add_push(const Push& push, double step_s) {
