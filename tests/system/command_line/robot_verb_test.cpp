@@ -83,6 +83,30 @@ TEST(RobotVerb, ListsJointsThatFollow) {
   EXPECT_EQ(json["joints"][1]["follows"]["ratio"], -2);
 }
 
+// The file states 2 rad/s for the joint. The board alone would allow 6 rad/s.
+TEST(RobotVerb, ARunKeepsTheSpeedLimitOfTheFile) {
+  const TemporaryFolder folder;
+  write_file(folder / "lamp.urdf", kArm);
+  ASSERT_EQ(run(kaz({"robot", "check", folder / "lamp.urdf", "--write"})).exit_code, 0);
+  const auto play = [&](const std::string& time_s) {
+    write_file(folder / "poses.json",
+               R"({"format": "kaz-poses-1", "poses": [
+                   {"time_s": 0, "angles_rad": {"tilt": 0}},
+                   {"time_s": )" +
+                   time_s + R"(, "angles_rad": {"tilt": 0.8}}]})");
+    return run(kaz({"run", "play", "--poses", folder / "poses.json", "--robot-file",
+                    folder / "lamp.urdf", "--mcu", "native", "--eyes", "none"}));
+  };
+  const Finished fast = play("0.4");  // at most 3 rad/s
+  EXPECT_EQ(fast.exit_code, 2) << fast.out << fast.err;
+  EXPECT_NE(fast.err.find("the poses turn tilt too fast (3.0 rad/s at the time 0.20 s); the board "
+                          "allows 2.0 rad/s: leave more time between the poses"),
+            std::string::npos)
+      << fast.err;
+  const Finished slow = play("0.8");
+  EXPECT_EQ(slow.exit_code, 0) << slow.out << slow.err;
+}
+
 TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
   const TemporaryFolder folder;
   write_file(folder / "lamp.urdf", kArm);
