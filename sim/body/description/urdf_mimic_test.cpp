@@ -25,7 +25,7 @@ std::string robot_of(const std::vector<std::string>& joints) {
   return text + "</robot>\n";
 }
 
-std::string turning(const std::string& extra, const std::string& limit = kUsualLimit) {
+std::string turning_joint(const std::string& extra, const std::string& limit = kUsualLimit) {
   return "type='revolute'>" + limit + extra;
 }
 
@@ -45,8 +45,8 @@ class MimicJoint : public testing::Test {
 TEST_F(MimicJoint, ChainsLeadToTheJointWithAMotor) {
   for (const bool body : {true, false}) {
     const auto robot =
-        load({turning("<mimic joint='j2' multiplier='2' offset='0.1'/>"), turning(""),
-              turning("<mimic joint='j1' multiplier='-0.5' offset='0.2'/>")},
+        load({turning_joint("<mimic joint='j2' multiplier='2' offset='0.1'/>"), turning_joint(""),
+              turning_joint("<mimic joint='j1' multiplier='-0.5' offset='0.2'/>")},
              {.body = body});
     ASSERT_TRUE(robot) << full_text(robot.error());
     EXPECT_EQ(robot->joint_order(), std::vector<std::string>{"j1"});
@@ -69,16 +69,17 @@ TEST_F(MimicJoint, ChainsLeadToTheJointWithAMotor) {
 
 // -1 <= -2 q + 0.5 <= 0.9 means -0.2 <= q <= 0.75.
 TEST_F(MimicJoint, LimitsOfTheFollowerBoundTheLeader) {
-  const auto robot = load({turning(""), turning("<mimic joint='j0' multiplier='-2' offset='0.5'/>",
-                                                "<limit lower='-1' upper='0.9' effort='0.5' "
-                                                "velocity='4'/>")});
+  const auto robot =
+      load({turning_joint(""), turning_joint("<mimic joint='j0' multiplier='-2' offset='0.5'/>",
+                                             "<limit lower='-1' upper='0.9' effort='0.5' "
+                                             "velocity='4'/>")});
   ASSERT_TRUE(robot) << full_text(robot.error());
   const RobotJoint& leader = robot->joints[0];
   EXPECT_DOUBLE_EQ(leader.lower, -0.2);
   EXPECT_DOUBLE_EQ(leader.upper, 0.75);
   EXPECT_DOUBLE_EQ(leader.velocity, 2);
   EXPECT_DOUBLE_EQ(leader.effort, 1);
-  const auto endless = load({turning(""), "type='continuous'><mimic joint='j0'/>"});
+  const auto endless = load({turning_joint(""), "type='continuous'><mimic joint='j0'/>"});
   ASSERT_TRUE(endless) << full_text(endless.error());
   EXPECT_EQ(endless->joints[0].lower, -1);
   EXPECT_EQ(endless->joints[0].velocity, 5);
@@ -89,31 +90,33 @@ TEST_F(MimicJoint, ErrorsNameTheJoint) {
   const auto expect = [this](const std::vector<std::string>& joints, const std::string& part) {
     EXPECT_NE(error(joints).find(part), std::string::npos) << part << "\n" << error(joints);
   };
-  expect({turning(""), turning("<mimic joint='arm'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='arm'/>")},
          ":6: joint `j1` follows joint `arm`, which does not exist; check the spelling");
-  expect({turning(""), turning("<mimic/>")}, ":6: <mimic> lacks the attribute `joint`");
-  expect({turning(""), "type='fixed'>", turning("<mimic joint='j1'/>")},
+  expect({turning_joint(""), turning_joint("<mimic/>")}, ":6: <mimic> lacks the attribute `joint`");
+  expect({turning_joint(""), "type='fixed'>", turning_joint("<mimic joint='j1'/>")},
          ":8: joint `j2` follows joint `j1`, which does not turn");
-  expect({turning(""), "type='fixed'><mimic joint='j0'/>"},
+  expect({turning_joint(""), "type='fixed'><mimic joint='j0'/>"},
          ":6: joint `j1` is fixed but has <mimic>; remove <mimic>");
-  expect({turning(""), turning("<mimic joint='j0' multiplier='0'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' multiplier='0'/>")},
          ":6: multiplier of joint `j1` is 0; its magnitude must be 0.001 to 1000");
-  expect({turning(""), turning("<mimic joint='j0' multiplier='nan'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' multiplier='nan'/>")},
          ":6: attribute `multiplier` of <mimic> is \"nan\", expected a number");
-  expect({turning(""), turning("<mimic joint='j0' offset='inf'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' offset='inf'/>")},
          ":6: attribute `offset` of <mimic> is \"inf\", expected a number");
-  expect({turning(""), turning("<mimic joint='j0' factor='2'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' factor='2'/>")},
          ":6: attribute `factor` of <mimic> is unknown");
-  expect({turning(""), turning("<mimic joint='j2'/>"), turning("<mimic joint='j1'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j2'/>"),
+          turning_joint("<mimic joint='j1'/>")},
          ":8: joint `j2` follows itself through <mimic>; one joint of the cycle needs a motor");
-  expect({turning("<mimic joint='j0'/>")}, ":4: joint `j0` follows itself through <mimic>");
-  expect({turning(""), turning("<mimic joint='j0' multiplier='900'/>"),
-          turning("<mimic joint='j1' multiplier='900'/>", "<limit lower='-9' upper='9'/>")},
+  expect({turning_joint("<mimic joint='j0'/>")}, ":4: joint `j0` follows itself through <mimic>");
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' multiplier='900'/>"),
+          turning_joint("<mimic joint='j1' multiplier='900'/>", "<limit lower='-9' upper='9'/>")},
          "the product of the multipliers from joint `j2` to joint `j0` is out of range");
-  expect({turning(""), turning("<mimic joint='j0' offset='3'/>")},
+  expect({turning_joint(""), turning_joint("<mimic joint='j0' offset='3'/>")},
          ":6: the limits of joint `j1` leave no range to joint `j0`, which it follows");
-  expect({turning(""), "type='prismatic'>" + std::string(kUsualLimit) + "<mimic joint='j0'/>"},
-         ":6: joint `j1` has type \"prismatic\"");
+  expect(
+      {turning_joint(""), "type='prismatic'>" + std::string(kUsualLimit) + "<mimic joint='j0'/>"},
+      ":6: joint `j1` has type \"prismatic\"");
 }
 
 // A Kaz with a part that follows one of its joints is a Kaz.

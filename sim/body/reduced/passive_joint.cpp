@@ -24,7 +24,7 @@ JointFrame seen_from(const FreeBody* body, const JointFrame& world) {
 
 }  // namespace
 
-JointFrame carried_by(const FreeBody* body, const JointFrame& frame) {
+JointFrame frame_on(const FreeBody* body, const JointFrame& frame) {
   if (body == nullptr) return frame;
   return {body->com + body->axes() * frame.at, body->axes() * frame.basis};
 }

@@ -44,6 +44,6 @@ struct PassiveJoint {
 };
 
 // World pose of a joint frame.
-JointFrame carried_by(const FreeBody* body, const JointFrame& frame);
+JointFrame frame_on(const FreeBody* body, const JointFrame& frame);
 
 }  // namespace kaz::sim

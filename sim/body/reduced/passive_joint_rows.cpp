@@ -45,13 +45,13 @@ void ReducedWorld::add_passive_joints() {
 void ReducedWorld::make_passive_rows(Work& work) const {
   for (std::size_t i = 0; i < layout_->passive.size(); ++i) {
     const PassiveJoint& joint = layout_->passive[i];
-    const JointFrame parent = carried_by(object_or_null(joint.parent), joint.in_parent);
-    const JointFrame child = carried_by(object_or_null(joint.child), joint.in_child);
+    const JointFrame parent = frame_on(object_or_null(joint.parent), joint.in_parent);
+    const JointFrame child = frame_on(object_or_null(joint.child), joint.in_child);
     const auto ahead = [this](int number, const JointFrame& frame) {
       if (number < 0) return frame;
       FreeBody body = objects_[static_cast<std::size_t>(number)];
       body.advance(body.velocity, body.angular_velocity(), false, step_s_);
-      return carried_by(&body, frame);
+      return frame_on(&body, frame);
     };
     const PassiveJoint::Gap gap =
         PassiveJoint::gap(ahead(joint.parent, joint.in_parent), ahead(joint.child, joint.in_child));
@@ -137,8 +137,8 @@ void ReducedWorld::read_passive_joints() {
   for (std::size_t i = 0; i < layout_->passive.size(); ++i) {
     const PassiveJoint& joint = layout_->passive[i];
     const PassiveJoint::Gap gap =
-        PassiveJoint::gap(carried_by(object_or_null(joint.parent), joint.in_parent),
-                          carried_by(object_or_null(joint.child), joint.in_child));
+        PassiveJoint::gap(frame_on(object_or_null(joint.parent), joint.in_parent),
+                          frame_on(object_or_null(joint.child), joint.in_child));
     passive_angle_[i] = joint.coordinate(gap, passive_angle_[i]);
   }
 }

@@ -1,12 +1,18 @@
-// Resolves the <mimic> elements of a URDF.
+// Checks of a URDF's joints together: <mimic>, and the names of Kaz's joints.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/body/description/urdf_mimic.h"
+#include "sim/body/description/urdf_joints.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "sim/body/description/joint_names.h"
+
 namespace kaz::sim {
 namespace {
+
+// A robot with this many of Kaz's 18 joint names is a Kaz, and must have all of them.
+constexpr std::ptrdiff_t kNamesOfKaz = 15;
 
 using JointsByName = std::map<std::string, const tinyxml2::XMLElement*>;
 
@@ -42,9 +48,7 @@ std::optional<std::string> mimic_error(const Urdf& urdf, const JointsByName& joi
 
 }  // namespace
 
-void resolve_mimics(
-    Urdf& urdf,
-    const std::function<void(const tinyxml2::XMLElement&, const std::string&)>& object) {
+void resolve_mimics(Urdf& urdf, const JointObjection& object) {
   JointsByName joints, followers;
   for (const auto* joint : urdf.joints) joints.emplace(joint->Attribute("name"), joint);
   bool sound = true;
@@ -74,6 +78,34 @@ void resolve_mimics(
                                     "` to joint `" + chain.joint +
                                     "` is out of range; its magnitude must be 0.001 to 1000");
     urdf.mimics[name] = chain;
+  }
+}
+
+void check_joint_names(const Urdf& urdf, const JointObjection& object) {
+  std::vector<std::string> turning;
+  for (const auto* joint : urdf.joints) {
+    if (urdf.has_motor(*joint)) turning.emplace_back(joint->Attribute("name"));
+  }
+  // Followers alone form a cycle, which resolve_mimics() has reported.
+  if (turning.empty() && urdf.mimics.empty())
+    return object(urdf.file.root(), "robot has no revolute joint; a robot needs at least one");
+  const auto& table = joint_names();
+  const auto shared = std::ranges::count_if(
+      table, [&](const std::string& name) { return std::ranges::count(turning, name) > 0; });
+  if (shared < kNamesOfKaz) return;
+  for (const std::string& name : table) {
+    if (std::ranges::count(turning, name) == 0)
+      object(urdf.file.root(),
+             "robot has no joint `" + name + "`, but " + std::to_string(shared) +
+                 " other joints of Kaz; a Kaz has all joints of shared/board/joints.def: "
+                 "add the missing joint, or rename the others if the robot is not a Kaz");
+  }
+  for (const auto* joint : urdf.joints) {
+    const std::string name = joint->Attribute("name");
+    if (urdf.has_motor(*joint) && std::ranges::count(table, name) == 0)
+      object(*joint, "joint `" + name +
+                         "` is not a joint of the servo board (shared/board/joints.def): correct "
+                         "the joint's name, or make the joint fixed");
   }
 }
 
