@@ -79,6 +79,7 @@ Result<Robot> Robot::connect(std::span<const RobotBoard> boards, Clock& clock,
   if (*watchdog_10ms != 0) {
     KAZ_TRY(robot.heartbeat(options.watchdog, options.reaction));
   }
+  KAZ_TRY(robot.lower_ramps());
   return robot;
 }
 

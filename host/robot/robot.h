@@ -184,6 +184,7 @@ class Robot {
  private:
   struct Parts;
   explicit Robot(std::unique_ptr<Parts> parts);
+  Result<void> lower_ramps();  // to ConnectOptions::max_rad_per_s
   std::unique_ptr<Parts> parts_;
 };
 

@@ -65,6 +65,8 @@ struct Robot::Parts {
   // Converts a state and the inertial reply; `motion` is null if the inertial sensors were not queried.
   Result<Posture> take_sensed(const Reply& state, const Reply* motion);
   std::string describe_fault(std::uint16_t status);
+  // Largest ramp within ConnectOptions::max_rad_per_s, rad/s; a multiple of the board's unit, 0.1 to 12.
+  double max_ramp(std::size_t joint) const;
   // Returns joint names from ConnectOptions::joint_names, such as "pan, lift".
   std::string names_of(std::uint32_t mask) const;
   // Checks a reply that must confirm that motors are off. Returns a text such as "still on: pan, lift"; empty

@@ -1,5 +1,9 @@
 // Robot: settings of joints and their detailed state.
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
 #include "host/link/port_address.h"
 #include "host/robot/robot_parts.h"
 
@@ -59,6 +63,27 @@ Result<void> Robot::set_gains(std::uint32_t mask, const Gains& gains) {
   return {};
 }
 
+double Robot::Parts::max_ramp(std::size_t joint) const {
+  constexpr double kRounding = 1e-6;  // in units of the ramp
+  constexpr double kLargest = KZ_RAMP_MAX;
+  if (joint >= options.max_rad_per_s.size()) return kLargest * kRampPerUnit;
+  const double units = std::floor(options.max_rad_per_s[joint] / kRampPerUnit + kRounding);
+  return std::clamp(units, 1.0, kLargest) * kRampPerUnit;
+}
+
+Result<void> Robot::lower_ramps() {
+  for (std::size_t j = 0;
+       j < std::min<std::size_t>(KZ_JOINTS, parts_->options.max_rad_per_s.size()); ++j) {
+    const double ramp = parts_->max_ramp(j);
+    if (ramp >= KZ_RAMP_MAX * kRampPerUnit) continue;
+    Limits limits = KAZ_TRY(settings(static_cast<int>(j))).limits;
+    if (limits.ramp_rad_per_s <= ramp) continue;
+    limits.ramp_rad_per_s = ramp;
+    KAZ_TRY(set_limits(u32{1} << j, limits));
+  }
+  return {};
+}
+
 Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
   if (auto valid = check_mask(mask); !valid) return valid;
   const auto ramp = to_wire<u16>(limits.ramp_rad_per_s / kRampPerUnit);
@@ -68,6 +93,16 @@ Result<void> Robot::set_limits(std::uint32_t mask, const Limits& limits) {
     return fail(Fault::usage,
                 "limits out of range: the ramp must be 0.1 to 12 rad/s, and both angles -3.2768 to "
                 "3.2767 rad; the lower angle must not be above the upper angle");
+  }
+  for (std::size_t j = 0; j < KZ_JOINTS; ++j) {
+    if ((mask >> j & 1) == 0 || *ramp * kRampPerUnit <= parts_->max_ramp(j) + kRampPerUnit / 2)
+      continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": a ramp of %.1f rad/s is above the joint's speed limit of %.1f rad/s; correct "
+                  "the `velocity` in the robot's file, or move more slowly",
+                  *ramp * kRampPerUnit, parts_->max_ramp(j));
+    return fail(Fault::usage, parts_->names_of(u32{1} << j) + text);
   }
   const kz_limits message{mask, *ramp, *lower, *upper};
   const auto reply = parts_->query(KZ_TYPE_limits, message, kz_pack_limits, kz_unpack_limits_reply);

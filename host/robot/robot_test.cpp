@@ -85,6 +85,23 @@ TEST(Robot, RefusalsNameJointAndReason) {
   EXPECT_EQ(weak.error().fault, Fault::failed) << "the robot's, not the line's";
 }
 
+// The board's unit is 0.1 rad/s, and its default ramp 6 rad/s.
+TEST(Robot, KeepsTheSpeedLimitsOfTheJoints) {
+  TestBoard board;
+  auto robot = Robot::connect(board, board, {.max_rad_per_s = {2.05, 30, 0.01}});
+  ASSERT_TRUE(robot) << robot.error().message;
+  for (const auto& [joint, ramp] : {std::pair{0, 2.0}, {1, 6.0}, {2, 0.1}, {3, 6.0}})
+    EXPECT_NEAR(robot->settings(joint)->limits.ramp_rad_per_s, ramp, 1e-9) << joint;
+  EXPECT_TRUE(robot->set_limits(0b1, {.ramp_rad_per_s = 1}));
+  EXPECT_TRUE(robot->set_limits(0b10, {.ramp_rad_per_s = 12}));
+  const auto fast = robot->set_limits(0b11, {.ramp_rad_per_s = 3});
+  ASSERT_FALSE(fast);
+  EXPECT_EQ(fast.error().fault, Fault::usage);
+  EXPECT_EQ(fast.error().message,
+            "neck_pan: a ramp of 3.0 rad/s is above the joint's speed limit of 2.0 rad/s; correct "
+            "the `velocity` in the robot's file, or move more slowly");
+}
+
 // Another program may have set them.
 TEST(Robot, NamesTheLimitsThatAreInForce) {
   TestBoard board;

@@ -161,6 +161,9 @@ struct ConnectOptions {
   std::string frames_path = {};
   // Joint names for messages, indexed by joint number; empty: the names of Kaz's joints.
   std::vector<std::string> joint_names = {};
+  // Speed limits of the joints, rad/s, indexed by joint number; empty: no limits. connect() lowers the
+  // board's ramps to these limits, and Robot::set_limits() refuses faster ramps.
+  std::vector<double> max_rad_per_s = {};
   // Advice of the error if no board answers at its address, but another board does: the text before the
   // found address.
   std::string address_advice = kAddressAdvice;

@@ -68,6 +68,33 @@ Result<void> check_pushes(const WorldModel& world, const RobotModel& robot, bool
   return {};
 }
 
+// ODE's engines know no joints that follow other joints.
+Result<void> check_followers(const RobotModel& robot) {
+  for (const RobotJoint& joint : robot.joints) {
+    if (joint.follows)
+      return fail(Fault::usage,
+                  "joint `" + joint.name + "` follows joint `" +
+                      robot.joints[static_cast<std::size_t>(joint.follows->joint)].name +
+                      "`, which only --dynamics reduced supports; leave out --dynamics");
+  }
+  return {};
+}
+
+// ODE's passive hinges measure angles within half a turn, and damping and friction share one row.
+Result<void> check_passive_joints(const WorldModel& world) {
+  for (const WorldJoint& joint : world.joints) {
+    const auto beyond = [](double limit) { return std::isfinite(limit) && std::abs(limit) > 3.1; };
+    const bool turns = joint.kind == WorldJoint::Kind::revolute;
+    const char* why = nullptr;
+    if (turns && (beyond(joint.lower) || beyond(joint.upper))) why = "a limit beyond 3.1 rad";
+    if (joint.damping > 0 && joint.friction > 0) why = "damping and friction";
+    if (why == nullptr) continue;
+    return fail(Fault::usage, "joint `" + joint.name + "` of the world has " + why +
+                                  ", which only --dynamics reduced supports; leave out --dynamics");
+  }
+  return {};
+}
+
 // ODE's hinges measure angles within half a turn.
 Result<void> check_hinges(const RobotModel& robot) {
   constexpr double kLargestLimit = 3.1;  // rad; the stop is one degree beyond the limit
@@ -131,6 +158,8 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   }
   KAZ_TRY(check_pushes(world, robot, options.hung));
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
+  KAZ_TRY(check_followers(robot));
+  KAZ_TRY(check_passive_joints(world));
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
 

@@ -378,6 +378,7 @@ Result<Monitored> find_monitored(const MonitorOptions& options) {
     KAZ_TRY(other_joints(options.robot_file));  // no more than a board has
     found.names.clear();
     for (const sim::RobotJoint& joint : robot.joints) {
+      if (joint.follows) continue;
       found.names.push_back(joint.name);
       found.limits.push_back({joint.lower, joint.upper});
     }

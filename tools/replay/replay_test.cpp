@@ -73,7 +73,8 @@ TEST(RecordedBackend, ReadsEachKey) {
       with_backend(R"({"world":"catch","robot_file":"r.urdf","mcu":"native","image":"kaz.mot",
                        "sensors":"ideal","imu":true,"dynamics":"exact","physics_step_ms":0.5,
                        "eyes":"real","eye_width":640,"renderer":"raster","supply_volts":9.5,"seed":7,
-                       "memory":"ff00","suspended":true,"joints":["turn","jaw"]})"),
+                       "memory":"ff00","suspended":true,"joints":["turn","jaw"],
+                       "joint_speeds":["2","12"]})"),
       "run.mcap");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->behavior, "track-ball");
@@ -81,6 +82,7 @@ TEST(RecordedBackend, ReadsEachKey) {
   EXPECT_EQ(read->backend.world, "catch");
   EXPECT_EQ(read->backend.robot_file, "r.urdf");
   EXPECT_EQ(read->backend.joints, (std::vector<std::string>{"turn", "jaw"}));
+  EXPECT_EQ(read->backend.joint_speeds, (std::vector<std::string>{"2", "12"}));
   EXPECT_EQ(read->backend.mcu, sim::McuKind::native);
   EXPECT_EQ(read->backend.image, "kaz.mot");
   EXPECT_EQ(read->backend.sensors, sim::SensorSet::ideal);

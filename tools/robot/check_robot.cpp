@@ -47,9 +47,9 @@ std::vector<Need> needs_of(const sim::RobotModel& robot, const std::string& file
   Need board{"simulation with a servo board", {}}, bus{"servo bus, real or virtual", {}};
   for (const char* name : {"motor.xml", "sensors.xml"})
     if (missing(name)) add(board.missing, name);
-  if (robot.joints.size() > KZ_JOINTS)
-    add(board.missing, std::to_string(robot.joints.size()) +
-                           " joints, but the board has channels for " + std::to_string(KZ_JOINTS));
+  if (robot.motors() > KZ_JOINTS)
+    add(board.missing, std::to_string(robot.motors()) + " joints, but the board has channels for " +
+                           std::to_string(KZ_JOINTS));
   for (const char* name : {"bus.json", "motor.xml"})
     if (missing(name)) add(bus.missing, name);
   return {board, bus};
@@ -61,11 +61,23 @@ std::string limit_text(double value, const char* format) {
   return text;
 }
 
+const std::string& leader_of(const sim::RobotModel& robot, const sim::RobotJoint& follower) {
+  return robot.joints[static_cast<std::size_t>(follower.follows->joint)].name;
+}
+
+// Null: the joint has a motor.
+Json follows_json(const sim::RobotModel& robot, const sim::RobotJoint& joint) {
+  if (!joint.follows) return nullptr;
+  return {{"joint", leader_of(robot, joint)},
+          {"ratio", joint.follows->ratio},
+          {"offset_rad", joint.follows->offset}};
+}
+
 void print(const sim::RobotModel& robot, const CheckRobotOptions& options) {
   std::size_t shapes = 0;
   for (const sim::RobotLink& link : robot.links) shapes += link.rigid.collisions.size();
   print_lines("%s: %zu joints, %zu links, %.3f kg, %zu collision shapes%s\n", robot.name.c_str(),
-              robot.joints.size(), robot.frames.size(), robot.mass(), shapes,
+              robot.motors(), robot.frames.size(), robot.mass(), shapes,
               robot.fixed_base ? ", fixed to the world" : "");
   std::printf("%-28s %9s %9s %9s %9s\n", "joint", "lower/rad", "upper/rad", "rad/s", "Nm");
   for (const sim::RobotJoint& joint : robot.joints)
@@ -73,6 +85,10 @@ void print(const sim::RobotModel& robot, const CheckRobotOptions& options) {
                 limit_text(joint.lower, "%.4f").c_str(), limit_text(joint.upper, "%.4f").c_str(),
                 limit_text(joint.velocity, "%.3g").c_str(),
                 limit_text(joint.effort, "%.3g").c_str());
+  for (const sim::RobotJoint& joint : robot.joints)
+    if (joint.follows)
+      print_lines("%s = %g * %s %+g rad (no motor)\n", joint.name.c_str(), joint.follows->ratio,
+                  leader_of(robot, joint).c_str(), joint.follows->offset);
   if (!robot.notes.empty() && !options.verbose)
     print_lines("not used: %s; --verbose lists the lines\n", sim::summary(robot.notes).c_str());
   for (const sim::FileNote& note : robot.notes)
@@ -92,7 +108,8 @@ Json json_of(const sim::RobotModel& robot, const CheckRobotOptions& options) {
                       {"velocity_rad_s", limit_json(joint.velocity)},
                       {"effort_nm", limit_json(joint.effort)},
                       {"damping_nms", joint.damping},
-                      {"friction_nm", joint.friction}});
+                      {"friction_nm", joint.friction},
+                      {"follows", follows_json(robot, joint)}});
   for (const sim::RobotLink& link : robot.links)
     links.push_back({{"name", link.rigid.name},
                      {"mass_kg", link.rigid.mass},

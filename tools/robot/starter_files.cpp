@@ -15,11 +15,11 @@ std::string starter_bus_file(const sim::RobotModel& robot) {
   std::string text =
       "{\n  \"protocol\": \"feetech\",\n  \"supply_volts\": 7.4,\n  \"supply_ohm\": 0.1,\n"
       "  \"servos\": [\n";
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+  for (std::size_t i = 0; i < robot.motors(); ++i) {
     text += "    {\"joint\": ";
     text += nlohmann::json(robot.joints[i].name).dump();
     text += ", \"id\": " + std::to_string(i + 1) + ", \"model\": \"sts3215\", \"zero\": 2048}";
-    text += i + 1 < robot.joints.size() ? ",\n" : "\n";
+    text += i + 1 < robot.motors() ? ",\n" : "\n";
   }
   return text + "  ]\n}\n";
 }

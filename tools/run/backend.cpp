@@ -206,6 +206,7 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
   BusOfFile bus;
   bus.baud = static_cast<int>(file.baud);
   for (const sim::RobotJoint& joint : robot.joints) {
+    if (joint.follows) continue;
     const auto servo = std::ranges::find(file.servos, joint.name, &servo_bus::BusServo::joint);
     if (servo == file.servos.end())
       return fail(Fault::usage, "bus.json in the folder of " + robot_file +

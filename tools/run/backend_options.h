@@ -30,6 +30,8 @@ struct BackendOptions : sim::RobotOptions {
   std::string robot_file;  // URDF file; empty: Kaz; also describes a robot at a port
   // Joints of robot_file (other_joints()), for replays without this file.
   std::vector<std::string> joints;
+  // Speed limits of the joints (joint_speeds()); empty on a servo bus, which has limits of its own.
+  std::vector<std::string> joint_speeds;
   std::string image;   // firmware image for h8; empty: the installed image
   bool stand = false;  // simulates the motor test stand instead of robot and world
   // For the stand: motor file and name of a motor in it; empty: Kaz's motor.xml and its default motor.
@@ -80,6 +82,7 @@ struct BackendOptions : sim::RobotOptions {
     archive({.name = "memory", .optional = true}, memory);
     visit_suspended(archive);
     archive({.name = "joints", .optional = true}, joints);
+    archive({.name = "joint_speeds", .optional = true}, joint_speeds);
   }
 };
 

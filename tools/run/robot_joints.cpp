@@ -2,13 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/run/robot_joints.h"
 
+#include <algorithm>
 #include <cstdio>
 
+#include "shared/base/number_text.hpp"
+#include "shared/protocol/messages.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/body/description/world_model.h"
 #include "tools/base/paths.h"
 
 namespace kaz::tools {
+namespace {
+
+constexpr double kLargestRamp = KZ_RAMP_MAX / 10.0;  // rad/s
+
+}  // namespace
 
 Result<std::vector<std::string>> other_joints(const std::string& robot_file) {
   if (robot_file.empty()) return std::vector<std::string>();
@@ -20,6 +28,33 @@ Result<std::vector<std::string>> other_joints(const std::string& robot_file) {
                                   std::to_string(KZ_JOINTS));
   if (robot.is_kaz()) return std::vector<std::string>();
   return joints;
+}
+
+Result<std::vector<std::string>> joint_speeds(const std::string& robot_file) {
+  std::vector<std::string> speeds;
+  if (robot_file.empty()) return speeds;
+  const auto robot = KAZ_TRY(sim::load_robot(robot_file, {.body = false}));
+  bool limited = false;
+  for (const sim::RobotJoint& joint : robot.joints) {
+    if (joint.follows) continue;
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", std::min(joint.velocity, kLargestRamp));
+    speeds.emplace_back(text);
+    limited = limited || joint.velocity < kLargestRamp;
+  }
+  if (!limited) speeds.clear();
+  return speeds;
+}
+
+Result<std::vector<double>> parse_speeds(const std::vector<std::string>& texts) {
+  std::vector<double> speeds;
+  for (const std::string& text : texts) {
+    const auto speed = parse_number<double>(text);
+    if (!speed || !(*speed > 0))
+      return fail(Fault::usage, "speed limit `" + text + "`: must be a number above 0, in rad/s");
+    speeds.push_back(*speed);
+  }
+  return speeds;
 }
 
 void print_unused(const std::string& label, const std::string& robot_file) {

@@ -70,6 +70,8 @@ Result<RunPlan> RunPlan::make(RunOptions options) {
   backend.needs_camera = plan.behavior_.needs_camera;
   KAZ_TRY(check(backend));
   plan.target_ = KAZ_TRY(target_of(backend));
+  if (!options.open_backend && !plan.on_servo_bus())
+    backend.joint_speeds = KAZ_TRY(joint_speeds(backend.robot_file));
   backend.facts = facts_of(options);
   plan.records_in_folder_ =
       !options.out.empty() && backend.recording.empty() && !options.open_backend;

@@ -7,6 +7,7 @@
 
 #include "host/robot/measure_link.h"
 #include "tools/base/output.h"
+#include "tools/run/robot_joints.h"
 
 namespace kaz::tools {
 namespace {
@@ -65,12 +66,14 @@ Result<host::Robot> connect(const RunPlan& plan, SessionBackend& backend, RunClo
   const auto on_resumed = [&label, connecting](const host::Resumption& resumption) {
     print_resumption(label, resumption, connecting);
   };
+  const auto speeds = KAZ_TRY(parse_speeds(plan.backend().joint_speeds));
   host::ConnectOptions options{.reaction = plan.backend().reaction,
                                .reconnect = from_seconds(plan.backend().reconnect_s),
                                .on_lost = on_lost,
                                .on_resumed = on_resumed,
                                .frames_path = frames_path,
-                               .joint_names = plan.backend().joints};
+                               .joint_names = plan.backend().joints,
+                               .max_rad_per_s = speeds};
   // The file, not an option, has the address of each board.
   if (const auto* boards = std::get_if<BoardsTarget>(&plan.target()))
     options.address_advice = "change the board's address in " + boards->file + " to ";

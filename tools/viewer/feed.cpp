@@ -151,7 +151,7 @@ void Feed::joint_states(std::uint64_t time_ns, std::span<const double> angles,
   if (!server_.wanted(channels_.joint_states)) return;
   data_.clear();
   LittleEndian to(data_);
-  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, poses_.model().joints.size());
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, poses_.model().motors());
   const auto size = static_cast<std::uint32_t>(count);
   header(to, time_ns, "").number(size);
   for (std::size_t j = 0; j < count; ++j) to.text(poses_.model().joints[j].name);
@@ -171,7 +171,7 @@ void Feed::board_state(std::uint64_t time_ns) {
   LittleEndian to(data_);
   header(to, time_ns, "");
   for (std::size_t j = 0; j < KZ_JOINTS; ++j)
-    to.text(j < poses_.model().joints.size() ? poses_.model().joints[j].name : std::string());
+    to.text(j < poses_.model().motors() ? poses_.model().joints[j].name : std::string());
   to.reals(board_.target).reals(board_.measured).reals(board_.duty);
   const auto reason = static_cast<u8>(board_.status >> 8);
   to.number(board_.status).text(reason == 0 ? "" : kz_shutdown_text(reason)).real(board_.supply_v);

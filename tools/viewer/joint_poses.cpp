@@ -14,10 +14,14 @@ std::vector<sim::ros::NamedPose> JointPoses::at(std::span<const double, KZ_JOINT
     const sim::RobotLink& link = model_.links[i];
     const auto parent = static_cast<std::size_t>(link.parent);
     links[i] = links[parent] * model_.links[parent].at_zero.inverse() * link.at_zero;
-    if (link.joint < 0 || link.joint >= KZ_JOINTS) continue;
-    const auto j = static_cast<std::size_t>(link.joint);
-    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * model_.joints[j].axis;
-    links[i].rotate(Eigen::AngleAxisd(angles[j], axis));
+    if (link.joint < 0) continue;
+    const sim::RobotJoint& joint = model_.joints[static_cast<std::size_t>(link.joint)];
+    const auto coupling = joint.follows.value_or(sim::JointCoupling{link.joint});
+    if (coupling.joint >= KZ_JOINTS) continue;
+    const double angle =
+        coupling.ratio * angles[static_cast<std::size_t>(coupling.joint)] + coupling.offset;
+    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * joint.axis;
+    links[i].rotate(Eigen::AngleAxisd(angle, axis));
   }
   if (!hangs_) {
     const Eigen::Isometry3d root = standing(links);

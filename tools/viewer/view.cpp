@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <numbers>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -113,7 +114,8 @@ Result<Where> parse_where(const std::string& text) {
 Result<std::unique_ptr<Server>> open_server(const ViewOptions& options, std::uint64_t start_ns,
                                             std::uint64_t end_ns, std::string& url) {
   const Where where = KAZ_TRY(parse_where(options.where));
-  const sim::RobotModel robot = KAZ_TRY(sim::load_robot(options.robot_path, {.skip_missing_meshes = true}));
+  const sim::RobotModel robot =
+      KAZ_TRY(sim::load_robot(options.robot_path, {.skip_missing_meshes = true}));
   ServerOptions server;
   server.address = where.address;
   server.port = where.port;
@@ -223,7 +225,7 @@ std::string hands_json(const sim::RobotModel& robot) {
            {"joints", robot.joint_order()},
            {"limits", Json::object()},
            {"links", Json::array()}};
-  for (const sim::RobotJoint& joint : robot.joints)
+  for (const sim::RobotJoint& joint : std::span(robot.joints).first(robot.motors()))
     all["limits"][joint.name] = {std::max(joint.lower, -std::numbers::pi),
                                  std::min(joint.upper, std::numbers::pi)};
   for (const faults::Kind& kind : faults::kinds())

@@ -52,11 +52,12 @@ ContactModel::ContactModel(const RobotModel& robot) : robot_links_(robot.links.s
 
 void ContactModel::add_robot_link(const RigidLink& link, int robot_link, int body,
                                   const Eigen::Isometry3d& pose) {
-  add(link, robot_link, body, pose);
+  add(link, robot_link, body, pose, -1);
 }
 
-void ContactModel::add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose) {
-  add(link, -1, body, pose);
+void ContactModel::add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose,
+                              int group) {
+  add(link, -1, body, pose, group);
 }
 
 // The last geom is a plane.
@@ -70,8 +71,9 @@ const ContactModel::Plane& ContactModel::plane_of(std::size_t geom) const {
 }
 
 // The last geom does not move.
-void ContactModel::add_fixed(int robot_link) {
+void ContactModel::add_fixed(int robot_link, int group) {
   Part part;
+  part.group = group;
   part.first = geoms_.size() - 1;
   part.count = 1;
   part.centre = geoms_.back().at;
@@ -85,9 +87,10 @@ void ContactModel::add_fixed(int robot_link) {
 }
 
 void ContactModel::add(const RigidLink& link, int robot_link, int body,
-                       const Eigen::Isometry3d& pose) {
+                       const Eigen::Isometry3d& pose, int group) {
   Part whole;
   whole.body = body;
+  whole.group = group;
   whole.first = geoms_.size();
   bodies_ = std::max(bodies_, static_cast<std::size_t>(body + 1));
   const bool moves = body >= 0;
@@ -110,7 +113,7 @@ void ContactModel::add(const RigidLink& link, int robot_link, int body,
     geom.axes = at.linear();
     geom.at = at.translation();
     if (!moves) {
-      add_fixed(robot_link);
+      add_fixed(robot_link, group);
       continue;
     }
     geom.body = body;

@@ -25,7 +25,8 @@ class ContactModel {
   // `body` for this link. If the link is fixed in the world at `pose`, `body` is -1.
   void add_robot_link(const RigidLink& link, int robot_link, int body,
                       const Eigen::Isometry3d& pose);
-  void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose);
+  // Objects with the same `group` do not collide with each other, except with a plane.
+  void add_object(const RigidLink& link, int body, const Eigen::Isometry3d& pose, int group = -1);
 
   struct Geom {
     Shape::Kind kind = Shape::Kind::box;
@@ -44,6 +45,7 @@ class ContactModel {
   // All shapes of one body, or one fixed shape.
   struct Part {
     int body = -1;
+    int group = -1;                    // -1: none
     std::size_t first = 0, count = 0;  // range of indices into geoms()
     // Bounding sphere, m. `centre` is relative to the body's center of mass, in the body's axes. For a fixed
     // shape, `centre` is in the world frame.
@@ -65,14 +67,18 @@ class ContactModel {
   const std::vector<Part>& robot() const { return robot_; }
   const std::vector<Part>& objects() const { return objects_; }
   const std::vector<Part>& fixed() const { return fixed_; }
+  static bool can_collide(const Part& a, const Part& b) {
+    return a.group < 0 || a.group != b.group;
+  }
   // Pairs of robot parts that can collide, as indices into robot().
   const std::vector<std::pair<std::size_t, std::size_t>>& selves() const { return selves_; }
   // Name of the link to which a shape belongs; for objects "model/link". `shape` is an index into geoms().
   const std::string& name(std::uint32_t shape) const { return names_[shape]; }
 
  private:
-  void add(const RigidLink& link, int robot_link, int body, const Eigen::Isometry3d& pose);
-  void add_fixed(int robot_link);
+  void add(const RigidLink& link, int robot_link, int body, const Eigen::Isometry3d& pose,
+           int group);
+  void add_fixed(int robot_link, int group);
   void add_plane(const Eigen::Isometry3d& at);
   void pair_with_robot(std::size_t part, int robot_link);
 

@@ -179,9 +179,12 @@ void Contacts::update() {
   for (const Part& fixed : fixed_) meet_robot(fixed);
   for (const Part& object : objects_) meet_robot(object);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    for (std::size_t j = i + 1; j < objects_.size(); ++j) meet(objects_[i], objects_[j]);
+    const ContactModel::Part& object = model_->objects()[i];
+    for (std::size_t j = i + 1; j < objects_.size(); ++j)
+      if (ContactModel::can_collide(object, model_->objects()[j])) meet(objects_[i], objects_[j]);
     if (!objects_[i].awake) continue;
-    for (const Part& fixed : fixed_) meet(objects_[i], fixed);
+    for (std::size_t j = 0; j < fixed_.size(); ++j)
+      if (ContactModel::can_collide(object, model_->fixed()[j])) meet(objects_[i], fixed_[j]);
   }
 }
 

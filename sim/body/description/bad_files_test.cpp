@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"second_parent", "<child link=\"neck_tilt\"/>", "<child link=\"neck_pan\"/>", -1,
              "link `neck_pan` is already the child of joint `neck_pan`"},
         Case{"mimic", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 1\"/><mimic joint=\"waist\"/>", 0,
-             "<mimic> is not supported"},
+             "joint `neck_pan` follows joint `waist`, which does not exist"},
         Case{"zero_axis", "<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 0,
              "axis of joint `neck_pan` is zero"},
         Case{"swapped_limits", "<limit lower=\"-1.5707\" upper=\"1.5707\"",

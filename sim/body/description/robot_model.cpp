@@ -71,7 +71,7 @@ class Reader {
     robot_.notes = urdf_.notes;
     for (const Element* joint : urdf_.joints) {
       children_[joint->FirstChildElement("parent")->Attribute("link")].push_back(joint);
-      if (urdf_.turns(*joint)) joints_.emplace_back(joint->Attribute("name"));
+      if (urdf_.has_motor(*joint)) joints_.emplace_back(joint->Attribute("name"));
     }
     // The order of links does not depend on the order in the file.
     for (auto& [parent, joints] : children_)
@@ -79,8 +79,13 @@ class Reader {
                         [](const Element* e) { return std::string(e->Attribute("name")); });
     const auto& kaz = joint_names();
     if (std::ranges::is_permutation(joints_, kaz)) joints_.assign(kaz.begin(), kaz.end());
+    for (const Element* joint : urdf_.joints) {
+      if (urdf_.turns(*joint) && !urdf_.has_motor(*joint))
+        joints_.emplace_back(joint->Attribute("name"));
+    }
     robot_.joints.resize(joints_.size());
     KAZ_TRY(add(urdf_.root, -1, -1, Eigen::Isometry3d::Identity()));
+    KAZ_TRY(couple());
     if (options_.body) KAZ_TRY(check_masses());
     return std::move(robot_);
   }
@@ -110,13 +115,33 @@ class Reader {
       }
       const Eigen::Isometry3d at =
           robot_.links[static_cast<std::size_t>(carrier)].at_zero * in_link;
-      const auto number = std::ranges::find(joints_, joint->Attribute("name")) - joints_.begin();
+      const int number = number_of_joint(joint->Attribute("name"));
       RobotJoint& out = robot_.joints[static_cast<std::size_t>(number)];
       out = joint_of(*joint, at);
       out.child = static_cast<int>(robot_.links.size());
-      KAZ_TRY(add(child, carrier, static_cast<int>(number), at));
+      KAZ_TRY(add(child, carrier, number, at));
     }
     return {};
+  }
+
+  int number_of_joint(const std::string& name) const {
+    return static_cast<int>(std::ranges::find(joints_, name) - joints_.begin());
+  }
+
+  Result<void> couple() {
+    for (const auto& [name, mimic] : urdf_.mimics)
+      robot_.joints[static_cast<std::size_t>(number_of_joint(name))].follows = {
+          number_of_joint(mimic.joint), mimic.ratio, mimic.offset};
+    const auto stuck = narrow_for_followers(robot_.joints);
+    if (!stuck) return {};
+    const RobotJoint& follower = robot_.joints[*stuck];
+    const Element* mimic =
+        urdf_.joint_to.at(robot_.links[static_cast<std::size_t>(follower.child)].rigid.name)
+            ->FirstChildElement("mimic");
+    return urdf_.file.error(
+        *mimic, "the limits of joint `" + follower.name + "` leave no range to joint `" +
+                    urdf_.mimics.at(follower.name).joint +
+                    "`, which it follows; correct limits, multiplier or offset");
   }
 
   static RobotJoint joint_of(const Element& joint, const Eigen::Isometry3d& at) {
@@ -316,7 +341,24 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 }
 
 bool RobotModel::is_kaz() const {
-  return std::ranges::equal(joints, joint_names(), {}, &RobotJoint::name);
+  return std::ranges::equal(joint_order(), joint_names());
+}
+
+std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints) {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const RobotJoint& follower = joints[i];
+    if (!follower.follows) continue;
+    RobotJoint& leader = joints[static_cast<std::size_t>(follower.follows->joint)];
+    const double ratio = follower.follows->ratio, offset = follower.follows->offset;
+    const auto [lower, upper] =
+        std::minmax({(follower.lower - offset) / ratio, (follower.upper - offset) / ratio});
+    leader.lower = std::max(leader.lower, lower);
+    leader.upper = std::min(leader.upper, upper);
+    leader.velocity = std::min(leader.velocity, follower.velocity / std::abs(ratio));
+    leader.effort = std::min(leader.effort, follower.effort * std::abs(ratio));
+    if (!(leader.lower < leader.upper)) return i;
+  }
+  return std::nullopt;
 }
 
 Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options) {

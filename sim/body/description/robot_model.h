@@ -71,9 +71,9 @@ struct RobotModel {
 
   std::vector<FileNote> notes;  // elements of the file that are not used
 
-  bool is_kaz() const;                           // the joints are those of shared/board/joints.def
-  double mass() const;                           // kg
-  std::size_t motors() const;                    // number of joints that do not follow another joint
+  bool is_kaz() const;         // the joints with a motor are those of joints.def
+  double mass() const;         // kg
+  std::size_t motors() const;  // number of joints that do not follow another joint
   std::vector<std::string> joint_order() const;  // names of the joints with a motor
   // Index of the link to which the frames `left_eye` and `right_eye` are fixed. -1: a frame is missing, or
   // the two frames are fixed to different links.
@@ -82,6 +82,11 @@ struct RobotModel {
   // the robot has no collision shapes.
   Eigen::AlignedBox3d extent() const;
 };
+
+// Narrows the limits of each joint with followers, so that the followers' limits of angle and speed hold. The
+// leader's torque alone cannot exceed a follower's effort.
+// Returns the index of the first follower that leaves its leader no range.
+std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints);
 
 // Loads and checks a URDF. The error names file and line of the first objection; its details are the others.
 Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options = {});

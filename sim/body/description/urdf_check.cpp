@@ -8,9 +8,9 @@
 #include <limits>
 #include <set>
 
-#include "sim/body/description/joint_names.h"
 #include "sim/body/description/mesh_check.h"
 #include "sim/body/description/rigid_link.h"
+#include "sim/body/description/urdf_joints.h"
 #include "sim/body/description/urdf_schema.h"
 
 namespace kaz::sim {
@@ -37,7 +37,8 @@ constexpr Numbers kNumbers[] = {
     {"inertia", "iyz", 1, false},       {"limit", "lower", 1, false},
     {"limit", "upper", 1, false},       {"limit", "effort", 1, false},
     {"limit", "velocity", 1, false},    {"dynamics", "damping", 1, false},
-    {"dynamics", "friction", 1, false},
+    {"dynamics", "friction", 1, false}, {"mimic", "multiplier", 1, false},
+    {"mimic", "offset", 1, false},
 };
 
 // Bounds against wrong units, such as millimetres for metres.
@@ -48,8 +49,6 @@ constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest
 // Maximum depth: the tree is traversed recursively.
 constexpr std::size_t kMaxLinks = 500;
 constexpr std::size_t kMaxNotes = 10000;
-// A robot with this many of Kaz's 18 joint names is a Kaz, and must have all of them.
-constexpr std::ptrdiff_t kNamesOfKaz = 15;
 
 std::string format(double value) {
   char text[32];
@@ -74,7 +73,11 @@ class Check {
     // Errors that would only follow from a wrong joint are left out.
     if (joints_sound_) {
       check_tree();
-      check_names();
+      const auto object_at = [this](const Element& at, const std::string& text) {
+        object(at, text);
+      };
+      resolve_mimics(urdf_, object_at);
+      check_joint_names(urdf_, object_at);
     }
     surfaces();
     if (options_.strict) {
@@ -116,7 +119,8 @@ class Check {
   // Parts of links and joints that are not needed for their names and limits.
   static bool skipped(const std::string& parent, const std::string& child) {
     if (parent == "link" || parent == "material") return true;
-    return parent == "joint" && child != "parent" && child != "child" && child != "limit";
+    return parent == "joint" && child != "parent" && child != "child" && child != "limit" &&
+           child != "mimic";
   }
 
   // Returns the entry of a child that may stand there, else adds an objection and returns null.
@@ -408,33 +412,6 @@ class Check {
                        "` closes a loop; links must form a tree");
   }
 
-  // A Kaz must have all joints of the board's table, and no others.
-  void check_names() {
-    std::vector<std::string> turning;
-    for (const Element* joint : urdf_.joints) {
-      if (urdf_.turns(*joint)) turning.emplace_back(joint->Attribute("name"));
-    }
-    if (turning.empty())
-      return object(root(), "robot has no revolute joint; a robot needs at least one");
-    const auto& table = joint_names();
-    const auto shared = std::ranges::count_if(
-        table, [&](const std::string& name) { return std::ranges::count(turning, name) > 0; });
-    if (shared < kNamesOfKaz) return;
-    for (const std::string& name : table) {
-      if (std::ranges::count(turning, name) == 0)
-        object(root(), "robot has no joint `" + name + "`, but " + std::to_string(shared) +
-                           " other joints of Kaz; a Kaz has all joints of shared/board/joints.def: "
-                           "add the missing joint, or rename the others if the robot is not a Kaz");
-    }
-    for (const Element* joint : urdf_.joints) {
-      const std::string name = joint->Attribute("name");
-      if (urdf_.turns(*joint) && std::ranges::count(table, name) == 0)
-        object(*joint, "joint `" + name +
-                           "` is not a joint of the servo board (shared/board/joints.def): correct "
-                           "the joint's name, or make the joint fixed");
-    }
-  }
-
   Urdf& urdf_;
   const ReadOptions& options_;
   Objections objections_;
@@ -450,6 +427,10 @@ bool Urdf::turns(const Element& joint) const {
   return type == "revolute" || type == "continuous";
 }
 
+bool Urdf::has_motor(const Element& joint) const {
+  return turns(joint) && !mimics.contains(joint.Attribute("name"));
+}
+
 Eigen::Matrix3d tensor_of(const Element& inertia) {
   const auto of = [&](const char* moment) { return number_of(inertia, moment, 0); };
   Eigen::Matrix3d tensor;
@@ -461,7 +442,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
 
 Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options) {
   auto file = KAZ_TRY(XmlFile::load(path, "robot"));
-  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}};
+  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;
 }

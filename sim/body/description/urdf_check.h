@@ -15,6 +15,12 @@ namespace kaz::sim {
 // If the root link has this name, the root link is fixed in the world, at the robot's start pose.
 inline constexpr const char* kFixedRoot = "world";
 
+// A joint that follows another joint: angle = ratio * (angle of `joint`) + offset (rad).
+struct Mimic {
+  std::string joint;
+  double ratio = 1, offset = 0;
+};
+
 // A valid URDF. The pointers refer to elements of `file`.
 struct Urdf {
   XmlFile file;
@@ -25,8 +31,12 @@ struct Urdf {
   std::string root;                        // name of the root link
   std::map<std::string, double> friction;  // coefficient mu of each link that states one
   std::vector<FileNote> notes;
+  std::map<std::string, Mimic>
+      mimics;  // by name of the follower; Mimic::joint does not follow a joint
 
   bool turns(const tinyxml2::XMLElement& joint) const;  // revolute or continuous
+  // Returns whether the joint turns and does not follow another joint.
+  bool has_motor(const tinyxml2::XMLElement& joint) const;
 };
 
 // The inertia tensor of an element <inertia>; missing moments are 0.

@@ -82,7 +82,6 @@ TEST_F(UrdfFile, NotesWhatPhysicsDoesNotNeed) {
 
 TEST_F(UrdfFile, RefusesWhatChangesPhysics) {
   for (const auto& [part, message] : std::vector<std::pair<std::string, std::string>>{
-           {"<mimic joint='j'/>", "<mimic> is not supported: make the joint fixed"},
            {"<dynamics damping='0.1' spring_stiffness='3'/>",
             "joint `j` has a spring, which is not supported"},
            {"<dynamics damping='-1'/>", "damping of joint `j` is negative"}}) {

@@ -152,6 +152,7 @@ void OdeWorld::build() {
       ode_.get(), dThreadingImplementationGetFunctions(threading_.get()), threading_.get());
   make_bodies();
   for (Joint& joint : ode_joints_) build_joint(joint);
+  for (const WorldJoint& joint : model_->joints) build_passive_joint(joint);
   if (hung_) hang();
 }
 
@@ -173,7 +174,7 @@ void OdeWorld::make_bodies() {
     dMatrix3 rotation;
     to_ode(body.start.linear(), rotation);
     dBodySetRotation(id, rotation);
-    if (number >= robot_links_) sleep_.add(id);
+    if (number >= robot_links_ && !model_->has_joint(static_cast<int>(number))) sleep_.add(id);
   }
 }
 
@@ -341,7 +342,7 @@ void OdeWorld::solve() {
 // checked before.
 void OdeWorld::check_solver() {
   for (std::size_t i = 0; i < joint_states_.size(); ++i) {
-    if (!joint_can_turn(i, joint_states_[i].velocity)) return;
+    if (!joint_can_turn(model_->joint_order[i], joint_states_[i].velocity)) return;
   }
   for (std::size_t i = 0; i < bodies().size(); ++i) {
     const dBodyID id = body(static_cast<int>(i));

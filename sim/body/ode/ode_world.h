@@ -64,6 +64,7 @@ class OdeWorld final : public StagedWorld {
   void make_bodies();
   void hang();
   void build_joint(Joint& joint);
+  void build_passive_joint(const WorldJoint& joint);
   void find_contacts(Contacts& contacts) const;
   dBodyID body(int number) const {
     return number < 0 ? nullptr : ode_bodies_[static_cast<std::size_t>(number)];

@@ -41,13 +41,14 @@ class ArticulatedTree {
   int dofs() const { return dofs_; }
   int root_dofs() const { return root_dofs_; }
   int dof_of_joint(int joint) const { return fixed_->dof_of_joint[index(joint)]; }
+  std::size_t index_of_dof(int dof) const { return index(dof - root_dofs_); }  // in `angle`
   int link_of_dof(int dof) const { return dof - root_dofs_ + 1; }
 
   // State of the tree. `angle` (rad) has one element for each joint. `velocity` is the vector v of the
   // comment at the top of this file.
   Eigen::Vector3d root_at;  // position of the root link's origin (P), world frame, m
   Eigen::Quaterniond root_turn;
-  std::vector<double> angle;  // indexed by coordinate - root_dofs()
+  std::vector<double> angle;  // indexed by index_of_dof()
   std::vector<double> velocity;
 
   // Computes poses, joint axes and inertias (forward kinematics). Call after each change of the root's pose

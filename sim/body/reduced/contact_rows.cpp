@@ -308,8 +308,10 @@ bool VelocitySolver::pattern_changed() const {
                                const Contact& contact = points_[at(i)];
                                return contact.pattern != contact.factored;
                              }) ||
-         std::ranges::any_of(its_bounded_,
-                             [this](int i) { return yields(i) != (factored_yields_[at(i)] != 0); });
+         std::ranges::any_of(
+             its_bounded_, [this](int i) { return yields(i) != (factored_yields_[at(i)] != 0); }) ||
+         std::ranges::any_of(
+             its_ties_, [this](int i) { return yields(ties_[at(i)]) != ties_[at(i)].factored; });
 }
 
 // Whether calm blocks need a new factorisation. Updates their record of active rows.
@@ -351,6 +353,7 @@ void VelocitySolver::add_stiffness() {
       add_point_stiffness(contact, pairs_[at(contact.point.pair)].stiffness);
   }
   for (const int i : its_pairs_) add_pair_rows(pairs_[at(i)]);
+  add_tie_stiffness();
 }
 
 }  // namespace kaz::sim

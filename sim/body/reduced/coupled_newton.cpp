@@ -136,6 +136,7 @@ void VelocitySolver::assemble_coupled(std::span<const int> coordinates) {
     const Index k = place_[at(bounded_[at(i)].coordinate)];
     coupled_(k, k) += 1 / bounded_[at(i)].softness;
   }
+  add_coupled_ties();
 }
 
 // Merit function, J: sum F_k^2 / M_kk.

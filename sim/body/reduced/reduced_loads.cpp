@@ -36,7 +36,7 @@ void ReducedWorld::measure_forces(Work& work) {
     if (b) push(touch.body_b, -1);
   }
   for (LinkForce& force : link_forces_) force.finish();
-  joint_loads_.resize(watch_loads_ ? layout_->joints.size() : 0);
+  joint_loads_.resize(watch_loads_ ? joint_states_.size() : 0);
   if (watch_loads_) measure_loads(work);
 }
 
@@ -53,7 +53,7 @@ void ReducedWorld::measure_loads(Work& work) {
   for (std::size_t i = 0; i < work.acceleration.size(); ++i)
     work.acceleration[i] = (work.velocity[i] - tree_.velocity[i]) / step_s_;
   tree_.joint_forces(work.halfway, work.acceleration, gravity_, work.outer);
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+  for (std::size_t i = 0; i < joint_loads_.size(); ++i) {
     const int link = tree_.link_of_dof(layout_->joints[i].dof);
     const auto& [moment, force] = work.outer[static_cast<std::size_t>(link)];
     const Eigen::Matrix3d to_link = tree_.axes(link).transpose();

@@ -235,12 +235,12 @@ Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
 // in reach. A stop: target -gap / h while apart (it may close the gap, no more), erp penetration / h beyond.
 void ReducedWorld::make_joint_rows(Work& work) const {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
     const JointMotor::Row& row = rows_[i];
     work.solver.add_bounded({layout_->joints[i].dof, 1, row.velocity, row.softness / step_s_,
                              step_s_ * row.min, step_s_ * row.max});
   }
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double angle = joint_states_[i].angle;
     const double back = erp_for(step_s_, kStopErp);
     const double yields = softness_for(step_s_, kStopErp, kStopSoftness) / step_s_;
@@ -254,6 +254,22 @@ void ReducedWorld::make_joint_rows(Work& work) const {
     };
     stop(angle - layout_->joints[i].lower, 1);
     stop(layout_->joints[i].upper - angle, -1);
+  }
+}
+
+// A follower has no stops of its own: the leader's range includes them. Angles are integrated exactly, so the
+// whole position error is corrected within the step.
+void ReducedWorld::make_coupling_rows(Work& work) const {
+  for (const Follower& follower : layout_->followers) {
+    const auto angle = [this](int dof) { return tree_.angle[tree_.index_of_dof(dof)]; };
+    VelocitySolver::Tie tie;
+    tie.first = {follower.leader_dof, follower.dof};
+    tie.length = {1, 1};
+    tie.entry = {-follower.ratio, 1};
+    tie.target =
+        -(angle(follower.dof) - follower.ratio * angle(follower.leader_dof) - follower.offset) /
+        step_s_;
+    work.solver.add_tie(tie);
   }
 }
 

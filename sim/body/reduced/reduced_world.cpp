@@ -28,6 +28,10 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
       velocity_before_(static_cast<std::size_t>(tree_.dofs()), 0.0) {
   for (std::size_t i = robot_links_; i < bodies().size(); ++i)
     objects_.emplace_back(bodies()[i].rigid, bodies()[i].start);
+  add_passive_joints();
+  for (const Follower& follower : layout_->followers)
+    tree_.angle[tree_.index_of_dof(follower.dof)] = follower.offset;
+  if (!layout_->followers.empty()) tree_.place();
   read_joints();
   read_imu(imu_velocity());
   read_motors();
@@ -36,9 +40,13 @@ ReducedWorld::ReducedWorld(const WorldModel& world, const RobotModel& robot,
 ReducedWorld::Layout ReducedWorld::layout_of(const RobotModel& robot, const ArticulatedTree& tree) {
   Layout layout;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    layout.joints.push_back({tree.dof_of_joint(static_cast<int>(i)),
-                             robot.joints[i].lower - kStopMargin,
-                             robot.joints[i].upper + kStopMargin});
+    const RobotJoint& joint = robot.joints[i];
+    const int dof = tree.dof_of_joint(static_cast<int>(i));
+    layout.joints.push_back(
+        {joint.name, dof, joint.lower - kStopMargin, joint.upper + kStopMargin});
+    if (const auto& follows = joint.follows)
+      layout.followers.push_back(
+          {dof, tree.dof_of_joint(follows->joint), follows->ratio, follows->offset});
   }
   layout.chains = chains_of(tree);
   return layout;
@@ -86,7 +94,8 @@ void ReducedWorld::settle_sleep(Work& work) {
   };
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     FreeBody& body = objects_[i];
-    if (!body.awake || !touched(i)) continue;
+    if (layout_->jointed[i]) body.awake = true;
+    if (!body.awake || layout_->jointed[i] || !touched(i)) continue;
     if (body.velocity.squaredNorm() > rule.linear * rule.linear ||
         body.angular_velocity().squaredNorm() > rule.angular * rule.angular) {
       body.left_s = rule.after_s;
@@ -119,6 +128,8 @@ void ReducedWorld::solve(Work& work) {
   shear_.recall(work.contacts.touches());
   for (std::size_t i = 0; i < work.contacts.touches().size(); ++i) make_contact_row(work, i);
   make_joint_rows(work);
+  make_coupling_rows(work);
+  make_passive_rows(work);
   work.solver.close();
   write_momentum(work);
   velocity_before_ = tree_.velocity;
@@ -141,7 +152,7 @@ void ReducedWorld::move_tree(double seconds) {
   }
   for (const Joint& joint : layout_->joints) {
     const auto dof = static_cast<std::size_t>(joint.dof);
-    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] += seconds * v[dof];
+    tree_.angle[tree_.index_of_dof(joint.dof)] += seconds * v[dof];
   }
   tree_.place();
   tree_.velocities();
@@ -160,8 +171,7 @@ void ReducedWorld::fly(const ArticulatedTree::Momentum& after, const Vector3d& c
   // Back to the start of the step: the joints have already moved by half a step.
   for (const Joint& joint : layout_->joints) {
     const auto dof = static_cast<std::size_t>(joint.dof);
-    tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())] -=
-        step_s_ / 2 * tree_.velocity[dof];
+    tree_.angle[tree_.index_of_dof(joint.dof)] -= step_s_ / 2 * tree_.velocity[dof];
   }
   move_tree(step_s_);
   tree_.set_momentum(after);
@@ -219,8 +229,10 @@ void ReducedWorld::advance(Work& work) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (work.coordinate_of[i] < 0) continue;
     const double* v = work.velocity.data() + work.coordinate_of[i];
-    objects_[i].advance({v[3], v[4], v[5]}, {v[0], v[1], v[2]}, work.flies[i], step_s_);
+    objects_[i].advance({v[3], v[4], v[5]}, {v[0], v[1], v[2]},
+                        work.flies[i] && !layout_->jointed[i], step_s_);
   }
+  read_passive_joints();
 }
 
 // Checks the solution: finite, and no joint or body moves further than a step can follow.
@@ -230,8 +242,8 @@ bool ReducedWorld::can_move(const Work& work) {
     break_down("the solver found no finite velocities");
     return false;
   }
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
-    if (!joint_can_turn(i, v[static_cast<std::size_t>(layout_->joints[i].dof)])) return false;
+  for (const Joint& joint : layout_->joints) {
+    if (!joint_can_turn(joint.name, v[static_cast<std::size_t>(joint.dof)])) return false;
   }
   const auto six = [&](std::size_t body, const double* of) {
     return body_can_move(body, {of[3], of[4], of[5]}, {of[0], of[1], of[2]});
@@ -255,7 +267,7 @@ void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts)
   const Vector3d velocity_before = imu_velocity();
   solve(work);
   if (!can_move(work)) return;
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i)
+  for (std::size_t i = 0; i < joint_states_.size(); ++i)
     joint_states_[i].torque = work.solver.bounded(i) / step_s_;
   measure_forces(work);
   advance(work);
@@ -266,11 +278,11 @@ void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts)
 }
 
 void ReducedWorld::read_joints() {
-  for (std::size_t i = 0; i < layout_->joints.size(); ++i) {
-    const auto dof = static_cast<std::size_t>(layout_->joints[i].dof);
+  for (std::size_t i = 0; i < joint_states_.size(); ++i) {
+    const int dof = layout_->joints[i].dof;
     JointState& state = joint_states_[i];
-    state.angle = tree_.angle[dof - static_cast<std::size_t>(tree_.root_dofs())];
-    state.velocity = tree_.velocity[dof];
+    state.angle = tree_.angle[tree_.index_of_dof(dof)];
+    state.velocity = tree_.velocity[static_cast<std::size_t>(dof)];
   }
 }
 
@@ -318,11 +330,14 @@ void ReducedWorld::transfer(A& a) {
   for (double& velocity : tree_.velocity) a(velocity);
   for (double& velocity : velocity_before_) a(velocity);
   for (FreeBody& body : objects_) a(body);
+  for (double& angle : passive_angle_) a(angle);
   a(memory_, shear_);
   const auto moves = [](double velocity) { return std::abs(velocity) < 1e7; };
   a.require(is_saved_place(tree_.root_at) && is_saved_turn(tree_.root_turn) &&
-                std::ranges::all_of(tree_.angle, moves) && std::ranges::all_of(tree_.velocity, moves),
+                std::ranges::all_of(tree_.angle, moves) &&
+                std::ranges::all_of(tree_.velocity, moves),
             "robot pose");
+  a.require(std::ranges::all_of(passive_angle_, moves), "passive joint");
   if constexpr (A::reading) {
     if (!a.good()) return;
     tree_.place();

@@ -20,11 +20,13 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sim/body/contact/contact_memory.h"
 #include "sim/body/reduced/articulated_tree.h"
 #include "sim/body/reduced/free_body.h"
+#include "sim/body/reduced/passive_joint.h"
 #include "sim/body/reduced/velocity_solver.h"
 #include "sim/body/world/staged_world.h"
 
@@ -55,11 +57,20 @@ class ReducedWorld final : public StagedWorld {
   };
   const Effort& effort() const { return effort_; }
   const ArticulatedTree& tree() const { return tree_; }
+  // Coordinates of the passive joints, in the order of WorldModel::joints, rad or m; 0 at the start and for
+  // ball joints. Joints between two fixed bodies are left out.
+  const std::vector<double>& passive_joints() const { return passive_angle_; }
 
  private:
   struct Joint {
+    std::string name;
     int dof = 0;
     double lower = 0, upper = 0;  // rad, mechanical stops
+  };
+  // A joint without a motor: its angle is ratio times the leader's angle plus the offset (rad).
+  struct Follower {
+    int dof = 0, leader_dof = 0;
+    double ratio = 1, offset = 0;
   };
   // Impulse (normal and friction) and moment (rolling and spin) of a contact point in the last step.
   // ContactMemory stores the shear of soft contacts.
@@ -76,9 +87,12 @@ class ReducedWorld final : public StagedWorld {
   struct Chain {  // chain of joints; each chain is a block of the solver's matrix
     int first = 0, length = 0, carrier = -1;
   };
-  struct Layout {  // constant, shared by all clones
-    std::vector<Joint> joints;
+  struct Layout {               // constant, shared by all clones
+    std::vector<Joint> joints;  // joints with a motor, then joints that follow another joint
+    std::vector<Follower> followers;
     std::vector<Chain> chains;
+    std::vector<PassiveJoint> passive;  // joints between objects
+    std::vector<bool> jointed;  // for each object: whether it has such a joint; it never sleeps
   };
   struct Meeting {  // two bodies in contact
     // `pair` is the index in the solver; -1: neither body can move.
@@ -128,6 +142,19 @@ class ReducedWorld final : public StagedWorld {
   void make_pair(Work& work, const Touch& touch) const;
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
   void make_joint_rows(Work& work) const;
+  void make_coupling_rows(Work& work) const;
+  // passive_joint_rows.cpp
+  const FreeBody* object_or_null(int number) const {
+    return number < 0 ? nullptr : &objects_[static_cast<std::size_t>(number)];
+  }
+  void add_passive_joints();
+  void make_passive_rows(Work& work) const;
+  void make_passive_axis_rows(Work& work, std::size_t number, const Eigen::Vector3d& at,
+                              const Eigen::Vector3d& axis) const;
+  VelocitySolver::Tie tie_of(const Work& work, const PassiveJoint& joint, const Eigen::Vector3d& at,
+                             const Eigen::Vector3d& along, bool turns) const;
+  static double tie_velocity(const Work& work, const VelocitySolver::Tie& tie);
+  void read_passive_joints();
   void solve(Work& work);
   bool can_move(const Work& work);
   void move_tree(double seconds);
@@ -141,7 +168,8 @@ class ReducedWorld final : public StagedWorld {
 
   ArticulatedTree tree_;
   std::shared_ptr<const Layout> layout_;
-  std::vector<FreeBody> objects_;  // objects_[i] has the body number robot_links_ + i
+  std::vector<double> passive_angle_;  // coordinate of each passive joint, rad or m
+  std::vector<FreeBody> objects_;      // objects_[i] has the body number robot_links_ + i
   std::vector<Memory> memory_;
   ContactMemory shear_;
   Effort effort_;

@@ -45,10 +45,12 @@ void VelocitySolver::begin(int coordinates) {
   pairs_.clear();
   points_.clear();
   bounded_.clear();
+  ties_.clear();
 }
 
 void VelocitySolver::close() {
   for (Contact& contact : points_) set_give(contact);
+  for (TieRow& row : ties_) set_give(row.tie);
   matrix_.close();
   sort_members();
   bounded_impulse_.assign(bounded_.size(), 0);
@@ -57,7 +59,7 @@ void VelocitySolver::close() {
   calm_island_ = kNone;
 }
 
-// Counting sort of pairs, points and bounded rows by island, stable in the order of the rows.
+// Counting sort of pairs, points, bounded rows and ties by island, stable in the order of the rows.
 void VelocitySolver::sort_members() {
   const std::size_t islands = matrix_.islands().size();
   members_.assign(islands, {});
@@ -80,6 +82,13 @@ void VelocitySolver::sort_members() {
   sort(
       bounded_.size(), [&](std::size_t i) { return matrix_.island_of(bounded_[i].coordinate); },
       bounded_list_, &Members::bounded);
+  sort(
+      ties_.size(),
+      [&](std::size_t i) {
+        const Tie& tie = ties_[i].tie;
+        return matrix_.island_of(tie.first[tie.length[0] > 0 ? 0 : 1]);
+      },
+      tie_list_, &Members::ties);
 }
 
 void VelocitySolver::multiply(const double* x, double* out) const {
@@ -111,6 +120,7 @@ void VelocitySolver::gradient(std::span<const double> momentum, std::span<const 
     bounded_impulse_[at(i)] = bounded_impulse(bounded, bounded.sign * v[c]);
     gradient_[c] -= bounded.sign * bounded_impulse_[at(i)];
   }
+  take_ties(v);
 }
 
 // Jacobi estimate of the remaining velocity change: max |g_k| / M_kk, m/s or rad/s.
@@ -133,7 +143,7 @@ double VelocitySolver::slope(double length, std::span<const double> v) const {
     const double change = bounded.sign * change_[c];
     sum -= change * bounded_impulse(bounded, bounded.sign * v[c] + length * change);
   }
-  return sum;
+  return its_ties_.empty() ? sum : sum - tie_work(length);
 }
 
 // Exact line search in [0, 1]: the zero of slope(), which increases monotonically.
@@ -181,6 +191,7 @@ double VelocitySolver::step_length(std::span<const double> momentum, std::span<c
     Contact& contact = points_[at(i)];
     along(contact, pairs_[at(contact.point.pair)].change, contact.change);
   }
+  set_tie_changes();
   return search(v);
 }
 
@@ -278,6 +289,7 @@ void VelocitySolver::solve(std::span<const double> momentum, std::span<double> v
     its_pairs_ = part(pair_list_, begin.pairs, end.pairs);
     its_points_ = part(point_list_, begin.points, end.points);
     its_bounded_ = part(bounded_list_, begin.bounded, end.bounded);
+    its_ties_ = part(tie_list_, begin.ties, end.ties);
     begin = end;
     steps_ = std::max(steps_, solve_island(momentum, v, tolerance, max_steps));
   }

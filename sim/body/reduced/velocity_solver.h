@@ -8,6 +8,7 @@
 //   M v - p - sum J^T l(J v) = 0                    (p: momentum after a step without the rows)
 //
 //   bounded row   l = clamp((target - u) / softness, min, max)
+//   tie           likewise; u is a sum over two ranges of coordinates
 //   normal        l_n = max(0, (target - u_n) / softness)
 //   friction      l_t = l_t of the last step - u_t / give, projected onto the disc |l_t| <= mu l_n
 //
@@ -46,6 +47,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -58,6 +60,9 @@ namespace kaz::sim {
 class VelocitySolver {
  public:
   static constexpr double kGive = 0.1;
+  // An equation between velocities is a row with this compliance, relative to the mobility along the row. It
+  // yields by this share of the velocity that the row's impulse changes in a step.
+  static constexpr double kTieGive = 1e-7;
 
   using Motion = Eigen::Matrix<double, 6, 1>;   // angular velocity, velocity of the reference point
   using Impulse = Eigen::Matrix<double, 6, 1>;  // normal, two tangents, two rolling, spin
@@ -93,6 +98,18 @@ class VelocitySolver {
     double min = 0, max = 0;  // N s or N m s
   };
 
+  // A row on two ranges of coordinates, such as a coupling of two joints: u is the sum of each entry times
+  // its coordinate. `entry` lists the first range, then the second; a range may be empty.
+  struct Tie {
+    static constexpr double kEndless = std::numeric_limits<double>::infinity();
+    std::array<int, 2> first{}, length{};
+    std::array<double, 12> entry{};
+    double target = 0;  // m/s or rad/s
+    // As of a bounded row. 0: the solver uses kTieGive times the mobility along the row.
+    double softness = 0;
+    double min = -kEndless, max = kEndless;  // N s or N m s
+  };
+
   // Removes all rows. After begin(), the caller writes the blocks and the inertia of the system to matrix().
   void begin(int coordinates);
   BlockMatrix& matrix() { return matrix_; }
@@ -108,6 +125,7 @@ class VelocitySolver {
   }
   void add_point(const Point& point);
   void add_bounded(const Bounded& row) { bounded_.push_back(row); }
+  void add_tie(const Tie& tie);
 
   // Call after the last row was added and before multiply() and solve().
   void close();
@@ -129,6 +147,8 @@ class VelocitySolver {
   const Impulse& velocity(std::size_t point) const { return points_[point].velocity; }
   // Returns the impulse of a bounded row, N s or N m s.
   double bounded(std::size_t row) const { return bounded_impulse_[row]; }
+  // Returns the impulse of a tie, N s or N m s.
+  double tie(std::size_t row) const { return ties_[row].impulse; }
   // steps() returns the number of iterations of the last solve(). residual() returns the velocity change in
   // the final iteration (m/s or rad/s). Both steps() and residual() return the largest value of all islands.
   int steps() const { return steps_; }
@@ -155,11 +175,17 @@ class VelocitySolver {
     // at the last factorization of H.
     std::uint8_t pattern = 0, factored = 0;
   };
-  // An island owns one range of elements in each of pair_list_, point_list_ and bounded_list_. For
+  struct TieRow {
+    Tie tie;
+    double velocity = 0, change = 0, impulse = 0;
+    bool factored =
+        false;  // whether the impulse was between the bounds at the last factorization of H
+  };
+  // An island owns one range of elements in each of pair_list_, point_list_, bounded_list_ and tie_list_. For
   // each of these ranges, the struct Members contains the index after the last element. Each range begins at
   // the end of the previous island's range.
   struct Members {
-    int pairs = 0, points = 0, bounded = 0;
+    int pairs = 0, points = 0, bounded = 0, ties = 0;
   };
 
   // contact_rows.cpp
@@ -181,6 +207,23 @@ class VelocitySolver {
   bool calm_rows_changed();
   bool pattern_changed() const;
   void add_stiffness();
+  // tie_rows.cpp
+  void set_give(Tie& tie) const;
+  static double along(const Tie& tie, const double* x);
+  static double tie_impulse(const Tie& tie, double u) {
+    return std::clamp((tie.target - u) / tie.softness, tie.min, tie.max);
+  }
+  static bool yields(const TieRow& row) {
+    return row.impulse > row.tie.min && row.impulse < row.tie.max;
+  }
+  void take_ties(std::span<const double> v);
+  double tie_work(double length) const;
+  void set_tie_changes();
+  // Calls add(i, j, K_ij), i >= j, for the stiffness of the island's ties that yield.
+  template <class Add>
+  void for_each_tie_stiffness(Add add) const;
+  void add_tie_stiffness();
+  void add_coupled_ties();
   // velocity_solver.cpp
   template <class Do>
   void for_each_coordinate(Do what) const {
@@ -221,6 +264,7 @@ class VelocitySolver {
   std::vector<Contact> points_;
   std::vector<Bounded> bounded_;
   std::vector<double> bounded_impulse_;
+  std::vector<TieRow> ties_;
   std::vector<double> gradient_, change_, inertia_v_, inertia_change_;
   // The vector requested_before_ is the Newton step of the previous iteration. The vector gone_before_ is the
   // step after accelerate() has modified the Newton step. If the previous iteration did not call
@@ -233,12 +277,12 @@ class VelocitySolver {
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_, product_;
   std::vector<Eigen::Index> place_;
   std::vector<double> start_;
-  // Indices of pairs, points and bounded rows, grouped by island.
-  std::vector<int> pair_list_, point_list_, bounded_list_;
+  // Indices of pairs, points, bounded rows and ties, grouped by island.
+  std::vector<int> pair_list_, point_list_, bounded_list_, tie_list_;
   std::vector<Members> members_;
   // The island being solved.
   std::size_t island_ = 0;
-  std::span<const int> its_pairs_, its_points_, its_bounded_;
+  std::span<const int> its_pairs_, its_points_, its_bounded_, its_ties_;
   // The function slope() computes a sum. The terms for inertia and momentum in this sum add up to:
   // start_slope_ + length * curve_.
   double start_slope_ = 0, curve_ = 0;

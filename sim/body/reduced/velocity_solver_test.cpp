@@ -233,5 +233,71 @@ TEST_P(Unconverged, IsSolvedHoweverDisturbed) {
 
 INSTANTIATE_TEST_SUITE_P(Recorded, Unconverged, testing::Range(1, 12));
 
+// Three bodies of random inertia with an equation, a spring and two bounded rows between them. The bounds are
+// reached at different rows from case to case.
+TEST(Ties, SatisfyTheirLaws) {
+  Random random(7);
+  int held = 0, bounded = 0;
+  for (int number = 0; number < 200; ++number) {
+    constexpr int kSize = 15;
+    VelocitySolver solver;
+    solver.begin(kSize);
+    MatrixXd inertia = MatrixXd::Zero(kSize, kSize);
+    for (const auto& [first, length] : {std::pair{0, 6}, {6, 3}, {9, 6}}) {
+      solver.matrix().add_block(first, length, -1);
+      MatrixXd root(length, length);
+      for (double& one : root.reshaped()) one = normal(random);
+      inertia.block(first, first, length, length) =
+          root * root.transpose() + MatrixXd::Identity(length, length);
+      for (int i = first; i < first + length; ++i)
+        for (int j = first; j <= i; ++j) solver.matrix().inertia_row(i)[j] = inertia(i, j);
+    }
+    std::vector<VelocitySolver::Tie> ties(4);
+    for (std::size_t i = 0; i < ties.size(); ++i) {
+      VelocitySolver::Tie& tie = ties[i];
+      tie.first = i % 2 == 0 ? std::array{0, 9} : std::array{9, 6};
+      tie.length = i % 2 == 0 ? std::array{6, 6} : std::array{6, 3};
+      for (double& entry : tie.entry) entry = normal(random);
+      tie.target = normal(random);
+      if (i == 1) tie.softness = 0.5;
+      if (i >= 2) {
+        tie.min = -0.2;
+        tie.max = 0.1;
+      }
+      solver.add_tie(tie);
+    }
+    solver.close();
+    std::vector<double> momentum(kSize), velocity(kSize, 0.0);
+    for (double& one : momentum) one = normal(random);
+    solver.solve(momentum, velocity, 1e-8, 300);
+    EXPECT_LT(solver.residual(), 1e-6);
+    const Eigen::Map<const VectorXd> v(velocity.data(), kSize), p(momentum.data(), kSize);
+    VectorXd rest = inertia * v - p;
+    for (std::size_t i = 0; i < ties.size(); ++i) {
+      const VelocitySolver::Tie& tie = ties[i];
+      VectorXd row = VectorXd::Zero(kSize);
+      for (int k = 0; k < tie.length[0]; ++k)
+        row[tie.first[0] + k] = tie.entry[static_cast<std::size_t>(k)];
+      for (int k = 0; k < tie.length[1]; ++k)
+        row[tie.first[1] + k] = tie.entry[static_cast<std::size_t>(tie.length[0] + k)];
+      const double u = row.dot(v), impulse = solver.tie(i);
+      rest -= row * impulse;
+      EXPECT_TRUE(impulse >= tie.min && impulse <= tie.max);
+      if (tie.softness > 0) {
+        EXPECT_NEAR(u + tie.softness * impulse, tie.target, 1e-7);
+      } else if (impulse > tie.min && impulse < tie.max) {
+        EXPECT_NEAR(u, tie.target, 2e-5) << "case " << number << ", row " << i;
+        held += i >= 2 ? 1 : 0;
+      } else {
+        EXPECT_GT((tie.target - u) * impulse, 0) << "the bound pushes toward the target";
+        ++bounded;
+      }
+    }
+    EXPECT_LT(rest.lpNorm<Eigen::Infinity>(), 1e-6) << "case " << number;
+  }
+  EXPECT_GT(held, 10);
+  EXPECT_GT(bounded, 10);
+}
+
 }  // namespace
 }  // namespace kaz::sim

@@ -4,12 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace kaz::sim {
 namespace {
 
 constexpr double kHungHeight = 0.5;  // m, of the feet above the ground
+
+// Numbers the groups of bodies that joints connect within a model. One number for each body.
+std::vector<int> groups_of(const WorldModel& world) {
+  std::vector<int> group(world.bodies.size());
+  std::iota(group.begin(), group.end(), 0);
+  for (const WorldJoint& joint : world.joints) {
+    if (joint.parent < 0) continue;
+    const auto parent = static_cast<std::size_t>(joint.parent);
+    const auto child = static_cast<std::size_t>(joint.child);
+    if (world.bodies[parent].model == world.bodies[child].model)
+      std::ranges::replace(group, int{group[child]}, int{group[parent]});
+  }
+  return group;
+}
 
 }  // namespace
 
@@ -28,7 +43,11 @@ StageModel::StageModel(const WorldModel& world, const RobotModel& robot,
   scene.light = world.light;
   scene.robot_start = world.robot_start;
   add_robot(robot, root_at_start(world, robot, options.hung));
-  for (const WorldBody& object : world.bodies) add_object(object, options.step_s);
+  const std::vector<int> groups = groups_of(world);
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i)
+    numbers.push_back(add_object(world.bodies[i], groups[i], options.step_s));
+  add_joints(world, numbers);
   for (const std::string& foot : world.feet) feet.push_back(link_frames.at(foot).link);
   for (const Push& push : world.pushes) add_push(push, options.step_s);
   // Latest first: the next kick is taken from the end; equal times keep the order of the file.
@@ -75,20 +94,35 @@ void StageModel::add_robot(const RobotModel& robot, const Eigen::Isometry3d& roo
   }
 }
 
-void StageModel::add_object(const WorldBody& object, double step_s) {
+int StageModel::add_object(const WorldBody& object, int group, double step_s) {
   if (object.fixed) {
-    contacts.add_object(object.rigid, -1, object.pose);
+    contacts.add_object(object.rigid, -1, object.pose, group);
     add_visuals(object.rigid, 0, object.pose);
     fixed_objects.emplace(object.model, object.pose);
-    return;
+    return -1;
   }
   const int body = add_body(object.rigid, object.pose, true);
-  contacts.add_object(object.rigid, body, object.pose);
+  contacts.add_object(object.rigid, body, object.pose, group);
   add_visuals(object.rigid, add_frame(object.rigid.name, body), Eigen::Isometry3d::Identity());
   objects.emplace(object.model, body);
   for (const sim::Kick& kick : object.kicks) {
     kicks.push_back({std::llround(kick.time_s / step_s), body, kick.velocity});
   }
+  return body;
+}
+
+void StageModel::add_joints(const WorldModel& world, const std::vector<int>& numbers) {
+  for (WorldJoint joint : world.joints) {
+    for (int* body : {&joint.parent, &joint.child})
+      if (*body >= 0) *body = numbers[static_cast<std::size_t>(*body)];
+    if (joint.parent >= 0 || joint.child >= 0) joints.push_back(std::move(joint));
+  }
+}
+
+bool StageModel::has_joint(int body) const {
+  return std::ranges::any_of(joints, [body](const WorldJoint& joint) {
+    return joint.parent == body || joint.child == body;
+  });
 }
 
 void StageModel::add_push(const Push& push, double step_s) {

@@ -56,6 +56,10 @@ struct StageModel {
   // first footstep. If `feet` is empty, the pushes are in `kicks` instead, and this vector
   // is empty.
   std::vector<Kick> pushes;
+  // Joints of the world with body numbers in place of indices; -1: a fixed body. Joints between two fixed
+  // bodies are left out.
+  std::vector<WorldJoint> joints;
+  bool has_joint(int body) const;
   std::vector<int> feet;    // body numbers of the feet (WorldModel::feet)
   std::vector<int> frames;  // frames[k] is the body number of scene frame k + 1
   Scene scene;
@@ -66,7 +70,9 @@ struct StageModel {
   void add_visuals(const RigidLink& link, int frame, const Eigen::Isometry3d& in_frame);
   int add_body(const RigidLink& link, const Eigen::Isometry3d& start, bool moves);
   void add_robot(const RobotModel& robot, const Eigen::Isometry3d& root);
-  void add_object(const WorldBody& object, double step_s);
+  // Returns the body number; -1: the object is fixed.
+  int add_object(const WorldBody& object, int group, double step_s);
+  void add_joints(const WorldModel& world, const std::vector<int>& numbers);
   void add_push(const Push& push, double step_s);
 };
 

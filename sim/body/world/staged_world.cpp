@@ -9,17 +9,25 @@
 namespace kaz::sim {
 namespace {
 
-// The motor of each joint, with the joint's own friction, damping and effort limit.
+// The motor of each joint, with the joint's own friction, damping and effort limit. A joint that follows
+// another joint acts through the coupling: its friction counts |ratio| times, its damping ratio^2 times.
 std::vector<JointMotor> motors_of(const RobotModel& robot, const MotorParams& motor,
                                   double step_s) {
-  std::vector<JointMotor> motors;
+  std::vector<MotorParams> all;
   for (const RobotJoint& joint : robot.joints) {
-    MotorParams own = motor;
-    own.friction_nm += joint.friction;
-    own.damping_nms_per_rad += joint.damping;
+    const double ratio = joint.follows ? joint.follows->ratio : 1;
+    if (!joint.follows) all.push_back(motor);
+    MotorParams& own =
+        joint.follows ? all[static_cast<std::size_t>(joint.follows->joint)] : all.back();
+    own.friction_nm += std::abs(ratio) * joint.friction;
+    own.damping_nms_per_rad += ratio * ratio * joint.damping;
+  }
+  std::vector<JointMotor> motors;
+  for (std::size_t i = 0; i < all.size(); ++i) {
     // The limit is that of the shaft, and friction takes its part of the drive torque.
-    own.max_drive_nm = std::min(own.max_drive_nm, joint.effort + own.friction_nm);
-    motors.emplace_back(own, step_s);
+    all[i].max_drive_nm =
+        std::min(all[i].max_drive_nm, robot.joints[i].effort + all[i].friction_nm);
+    motors.emplace_back(all[i], step_s);
   }
   return motors;
 }
@@ -36,8 +44,8 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const
       kicks_left_(model_->kicks.size()),
       pushes_left_(model_->pushes.size()),
       motors_(motors_of(robot, motor, options.step_s)),
-      rows_(robot.joints.size()),
-      joint_states_(robot.joints.size()),
+      rows_(robot.motors()),
+      joint_states_(robot.motors()),
       link_forces_(robot.links.size()) {
   if (const auto imu = model_->link_frames.find("imu"); imu != model_->link_frames.end())
     imu_frame_ = imu->second;
@@ -130,12 +138,11 @@ bool StagedWorld::drives_are_numbers() {
   return true;
 }
 
-bool StagedWorld::joint_can_turn(std::size_t joint, double velocity) {
+bool StagedWorld::joint_can_turn(const std::string& joint, double velocity) {
   if (std::abs(velocity) * step_s_ <= kMaxTurn) return true;
   char speed[48];
   std::snprintf(speed, sizeof speed, "` turns at %.3g rad/s", velocity);
-  break_down("joint `" + model_->joint_order[joint] + speed +
-             ", which is too fast for the physics step");
+  break_down("joint `" + joint + speed + ", which is too fast for the physics step");
   return false;
 }
 

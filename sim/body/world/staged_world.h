@@ -86,7 +86,7 @@ class StagedWorld : public World {
   // Validity checks of one step. A check that fails sets diagnostics_.failure and returns false.
   static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m per step
   bool drives_are_numbers();
-  bool joint_can_turn(std::size_t joint, double velocity);
+  bool joint_can_turn(const std::string& joint, double velocity);
   bool body_can_move(std::size_t body, const Eigen::Vector3d& velocity,
                      const Eigen::Vector3d& angular);
   // Records the failure `why` in diagnostics_.failure. If a failure is already recorded, break_down()

@@ -50,7 +50,7 @@ std::string range_text(double min, double max) {
 Result<void> check_limits(const std::string& robot_path) {
   const auto robot = KAZ_TRY(load_robot(robot_path, {.body = false}));
   if (robot.is_kaz()) return {};
-  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot.joints.size());
+  const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot.motors());
   for (std::size_t j = 0; j < count; ++j) {
     const RobotJoint& joint = robot.joints[j];
     const double min_rad = 1e-4 * kz_board_joints[j].lower,

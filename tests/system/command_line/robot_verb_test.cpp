@@ -61,6 +61,52 @@ TEST(RobotVerb, WritesFilesWithWhichTheRobotRuns) {
   EXPECT_EQ(read_file(folder / "bus.json"), "mine");
 }
 
+// A joint that follows another joint counts as no joint of the board, and needs no servo.
+TEST(RobotVerb, ListsJointsThatFollow) {
+  const TemporaryFolder folder;
+  std::string text = kArm;
+  text.insert(text.rfind("</robot>"),
+              "<link name='jaw'><inertial><mass value='0.1'/><inertia ixx='1e-4' iyy='1e-4' "
+              "izz='1e-4'/></inertial></link><joint name='jaw' type='revolute'><parent link='arm'/>"
+              "<child link='jaw'/><limit lower='-1' upper='2' effort='0' velocity='0'/>"
+              "<mimic joint='tilt' multiplier='-2' offset='0.5'/></joint>");
+  write_file(folder / "lamp.urdf", text);
+  const Finished check = run(kaz({"robot", "check", folder / "lamp.urdf", "--write"}));
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  for (const char* part : {"lamp: 1 joints, 3 links", "jaw = -2 * tilt +0.5 rad (no motor)",
+                           "tilt                           -0.7500    0.7500"})
+    EXPECT_NE(check.out.find(part), std::string::npos) << part << "\n" << check.out;
+  EXPECT_EQ(read_file(folder / "bus.json").find("jaw"), std::string::npos);
+  const auto json = parse_json(run(kaz({"robot", "check", folder / "lamp.urdf", "--json"})).out);
+  EXPECT_TRUE(json["joints"][0]["follows"].is_null());
+  EXPECT_EQ(json["joints"][1]["follows"]["joint"], "tilt");
+  EXPECT_EQ(json["joints"][1]["follows"]["ratio"], -2);
+}
+
+// The file states 2 rad/s for the joint. The board alone would allow 6 rad/s.
+TEST(RobotVerb, ARunKeepsTheSpeedLimitOfTheFile) {
+  const TemporaryFolder folder;
+  write_file(folder / "lamp.urdf", kArm);
+  ASSERT_EQ(run(kaz({"robot", "check", folder / "lamp.urdf", "--write"})).exit_code, 0);
+  const auto play = [&](const std::string& time_s) {
+    write_file(folder / "poses.json",
+               R"({"format": "kaz-poses-1", "poses": [
+                   {"time_s": 0, "angles_rad": {"tilt": 0}},
+                   {"time_s": )" +
+                   time_s + R"(, "angles_rad": {"tilt": 0.8}}]})");
+    return run(kaz({"run", "play", "--poses", folder / "poses.json", "--robot-file",
+                    folder / "lamp.urdf", "--mcu", "native", "--eyes", "none"}));
+  };
+  const Finished fast = play("0.4");  // at most 3 rad/s
+  EXPECT_EQ(fast.exit_code, 2) << fast.out << fast.err;
+  EXPECT_NE(fast.err.find("the poses turn tilt too fast (3.0 rad/s at the time 0.20 s); the board "
+                          "allows 2.0 rad/s: leave more time between the poses"),
+            std::string::npos)
+      << fast.err;
+  const Finished slow = play("0.8");
+  EXPECT_EQ(slow.exit_code, 0) << slow.out << slow.err;
+}
+
 TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
   const TemporaryFolder folder;
   write_file(folder / "lamp.urdf", kArm);

@@ -47,6 +47,10 @@ Complaint try_robot(Bytes bytes) {
     if (joint.child < 0 || joint.child >= static_cast<int>(robot->links.size()) ||
         !(std::abs(joint.axis.norm() - 1) < 1e-6) || !(joint.lower < joint.upper))
       return "joint " + joint.name + " is invalid";
+    if (joint.follows &&
+        (joint.follows->joint < 0 || joint.follows->joint >= static_cast<int>(robot->motors()) ||
+         !std::isfinite(joint.follows->ratio * joint.follows->offset)))
+      return "joint " + joint.name + " follows no joint with a motor";
   }
   for (const auto& [name, frame] : robot->frames) {
     if (frame.link < 0 || frame.link >= static_cast<int>(robot->links.size()) ||
