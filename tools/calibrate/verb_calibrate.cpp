@@ -43,7 +43,8 @@ void add_stereo(CLI::App& calibrate, Action& action) {
       ->type_name("M");
   stereo
       ->add_option("--out", arguments->out,
-                   "calibration file to write, in OpenCV's format (.yml or .json)")
+                   "calibration file to write, in OpenCV's format (.yml, .json or .xml), or two "
+                   "camera_info files of ROS: LEFT.yaml,RIGHT.yaml")
       ->required()
       ->type_name("FILE");
   stereo

@@ -185,8 +185,8 @@ void add_run(CLI::App& program, Action& action) {
       ->type_name("CAMERA")
       ->capture_default_str();
   verb->add_option("--calibration", run.backend.calibration,
-                   "for v4l2 cameras: calibration file written by kaz calibrate stereo; the file "
-                   "also sets the size of the pictures")
+                   "for v4l2 cameras: calibration file written by kaz calibrate stereo, or "
+                   "LEFT.yaml,RIGHT.yaml of ROS; the file also sets the size of the pictures")
       ->type_name("FILE");
   verb->add_option("--reconnect", run.backend.reconnect_s,
                    "at a port: maximum time to reconnect after the link is lost")

@@ -16,6 +16,7 @@
 #include "tools/drawing/coverage.h"
 #include "tools/vision/picture_pairs.h"
 #include "vision/calibration/calibration_file.h"
+#include "vision/calibration/camera_info.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::tools {
@@ -224,8 +225,18 @@ void print(const Sightings& seen, const StereoResult& result,
 
 // The files, opened before any picture is read.
 struct Outputs {
-  OutputFile calibration, coverage;
+  std::vector<OutputFile> calibration;  // two files for ROS, else one
+  OutputFile coverage;
 };
+
+Result<std::vector<OutputFile>> open_calibration(const std::string& out) {
+  std::vector<OutputFile> files;
+  const auto pair = vision::camera_info_paths(out);
+  const std::vector<std::string> paths =
+      pair ? std::vector{pair->left, pair->right} : std::vector{out};
+  for (const std::string& path : paths) files.push_back(KAZ_TRY(OutputFile::open(path, "--out")));
+  return files;
+}
 
 Result<void> write(const StereoResult& result, const Board& board,
                    const StereoCalibrationOptions& arguments, Outputs& outputs) {
@@ -239,6 +250,11 @@ Result<void> write(const StereoResult& result, const Board& board,
   const auto png = KAZ_TRY(picture::encode_png(
       {.width = both.width, .height = both.height, .samples = both.rgb}, {.software = kSoftware}));
   KAZ_TRY(outputs.coverage.write({reinterpret_cast<const char*>(png.data()), png.size()}));
+  if (format == vision::CalibrationFormat::camera_info) {
+    const auto text = vision::camera_info_text(c);
+    KAZ_TRY(outputs.calibration[0].write(text.left));
+    return outputs.calibration[1].write(text.right);
+  }
   const std::string text = vision::calibration_text(c, format,
                                                     {{"board_width", board.columns},
                                                      {"board_height", board.rows},
@@ -249,7 +265,7 @@ Result<void> write(const StereoResult& result, const Board& board,
                                                      {"rms_stereo_px", result.rms_px},
                                                      {"rms_rows_px", result.row_rms_px}},
                                                     provenance().date);
-  return outputs.calibration.write(text);
+  return outputs.calibration[0].write(text);
 }
 
 tl::unexpected<Error> too_far_off(const Sightings& seen, const StereoResult& result,
@@ -320,9 +336,12 @@ Result<Board> parse_board(const std::string& text, double square_m) {
 Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
   const auto board = KAZ_TRY(parse_board(arguments.board, arguments.square_m));
   KAZ_TRY(vision::calibration_format(arguments.out));
-  if (arguments.coverage.empty())
-    arguments.coverage =
-        std::filesystem::path(arguments.out).replace_extension(".coverage.png").string();
+  if (arguments.coverage.empty()) {
+    const auto pair = vision::camera_info_paths(arguments.out);
+    arguments.coverage = std::filesystem::path(pair ? pair->left : arguments.out)
+                             .replace_extension(".coverage.png")
+                             .string();
+  }
   const auto pairs = KAZ_TRY(find_pairs(arguments.left, arguments.right));
   for (const auto& pair : pairs) {
     for (const std::string& input : {pair.left, pair.right}) {
@@ -332,7 +351,7 @@ Result<bool> calibrate_stereo(StereoCalibrationOptions arguments) {
                                       ": is a picture of the calibration; give another file");
     }
   }
-  auto calibration = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
+  auto calibration = KAZ_TRY(open_calibration(arguments.out));
   auto coverage = KAZ_TRY(OutputFile::open(arguments.coverage, "--coverage"));
   Outputs outputs{std::move(calibration), std::move(coverage)};
   const auto seen = KAZ_TRY(look_at_all(pairs, board, arguments.json));

@@ -14,7 +14,7 @@ struct StereoCalibrationOptions {
   std::vector<std::string> left, right;  // paths or patterns of picture files (picture_pairs.h)
   std::string board;                     // number of inner corners, for example "9x6"
   double square_m = 0;                   // side length of a square
-  std::string out;                       // path of the calibration file, .yml or .json
+  std::string out;                       // path of the file (vision::calibration_format())
   // Path of the coverage picture; empty: in the folder of `out`.
   std::string coverage;
   double max_rms_px = 1;  // largest RMS reprojection error of a calibration that is written

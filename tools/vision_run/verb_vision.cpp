@@ -138,7 +138,8 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       ->type_name("FILE");
   auto* calibration =
       verb->add_option("--calibration", options->calibration,
-                       "calibration file of the cameras, written by kaz calibrate stereo. Stereo "
+                       "calibration file of the cameras, written by kaz calibrate stereo or in "
+                       "OpenCV's format, or LEFT.yaml,RIGHT.yaml of ROS (camera_info). Stereo "
                        "pairs (--left and --right) and v4l2 cameras need this file. For one "
                        "picture or a folder of pictures, give either this file or --view; Kaz "
                        "treats the pictures as pictures of the left eye")

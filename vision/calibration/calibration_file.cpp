@@ -4,24 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <filesystem>
 
-#include <Eigen/LU>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 
 #include "shared/base/files.hpp"
-#include "vision/calibration/calibration_text.h"
+#include "vision/calibration/calibration_reader.h"
+#include "vision/calibration/calibration_xml.h"
+#include "vision/calibration/camera_info.h"
 #include "vision/image/opencv_quiet.h"
-#include "vision/image/picture_file.h"
 
 namespace kaz::vision {
 namespace {
 
-constexpr int kLargestMatrixSide = 14;         // distortion in a row
 constexpr std::size_t kLargestFile = 1 << 16;  // bytes; ours are of 3000
-constexpr double kLargest = 1e6;  // px, and m; their products are still written and read
 
 cv::Mat camera_matrix(const Lens& lens) {
   return (cv::Mat_<double>(3, 3) << lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
@@ -46,161 +44,29 @@ Eigen::Matrix3d to_eigen(const cv::Mat& m) {
   return result;
 }
 
-// A file's keys; remembers its name for messages.
-class Reader {
- public:
-  Reader(const std::string& content, const std::string& name)
-      : entries_(scan_calibration(content)), name_(name) {}
-
-  tl::unexpected<Error> bad(const std::string& what) const {
-    return fail(Fault::usage, name_ + ": " + what);
-  }
-  bool has(const char* key) const { return entries_.find(key) != entries_.end(); }
-
-  Result<int> side(const char* key) const {
-    const auto values = numbers(key, {1});
-    if (!values) return tl::unexpected(values.error());
-    const double value = values->front();
-    if (value != std::floor(value) || value < 2 || value > kLargestPictureSide)
-      return bad(std::string(key) + " is " + std::string(entries_.find(key)->second.values[0]) +
-                 ": must be a whole number from 2 to " + std::to_string(kLargestPictureSide));
-    return static_cast<int>(value);
-  }
-
-  // Rows and columns, where the file states them.
-  Result<void> check_shape(const char* key, const CalibrationEntry& entry) const {
-    double numbers = 1;  // rows times columns; 0: not both are stated
-    for (const auto& [name, text] : {std::pair{"rows", entry.rows}, {"cols", entry.cols}}) {
-      double count = 0;
-      if (!text.empty() && (!calibration_number(text, count) || count != std::floor(count) ||
-                            count < 1 || count > kLargestMatrixSide))
-        return bad(std::string(key) + " has " + name + ": " + std::string(text) +
-                   "; a matrix has 1 to " + std::to_string(kLargestMatrixSide) +
-                   " rows and columns");
-      numbers *= text.empty() ? 0 : count;
-    }
-    if (numbers > 0 && numbers != static_cast<double>(entry.values.size()))
-      return bad(std::string(key) + " has rows: " + std::string(entry.rows) +
-                 " and cols: " + std::string(entry.cols) + ", but " +
-                 std::to_string(entry.values.size()) + " numbers");
-    return {};
-  }
-
-  // As many as one of `counts`.
-  Result<std::vector<double>> numbers(const char* key,
-                                      const std::vector<std::size_t>& counts) const {
-    const auto found = entries_.find(key);
-    if (found == entries_.end()) return bad(std::string(key) + " is missing");
-    const CalibrationEntry& entry = found->second;
-    if (entry.times > 1) return bad(std::string("has ") + key + " twice");
-    if (!entry.repeated.empty())
-      return bad(std::string(key) + " has " + std::string(entry.repeated) + " twice; remove one");
-    if (!entry.closed) return bad(std::string("ends within ") + key);
-    if (entry.list == (counts.front() == 1))
-      return bad(std::string(key) + (entry.list ? " is not a number" : " is not a matrix"));
-    if (std::find(counts.begin(), counts.end(), entry.values.size()) == counts.end())
-      return bad(std::string(key) + " has " + std::to_string(entry.values.size()) +
-                 " numbers, not " + std::to_string(counts.front()));
-    KAZ_TRY(check_shape(key, entry));
-    std::vector<double> values(entry.values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!calibration_number(entry.values[i], values[i]))
-        return bad(std::string(key) + " has an element that is not a number");
-      if (!std::isfinite(values[i]) || std::abs(values[i]) > 1e12)
-        return bad(std::string(key) + " has a number that is not finite or exceeds 1e12");
-    }
-    return values;
-  }
-
-  Result<Eigen::Matrix3d> turn(const char* key) const {
-    const auto values = numbers(key, {9});
-    if (!values) return tl::unexpected(values.error());
-    const Eigen::Matrix3d m =
-        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
-    // Files written by hand have few digits.
-    if ((m * m.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-3 ||
-        m.determinant() < 0)
-      return bad(std::string(key) +
-                 " is not a rotation: its rows must be orthonormal and its determinant 1");
-    return m;
-  }
-
-  Result<Lens> lens(const char* matrix, const char* short_matrix, const char* distortion,
-                    const char* short_distortion) const {
-    const char* k_key = !has(matrix) && has(short_matrix) ? short_matrix : matrix;
-    const char* d_key = !has(distortion) && has(short_distortion) ? short_distortion : distortion;
-    const auto k = numbers(k_key, {9});
-    if (!k) return tl::unexpected(k.error());
-    const auto d = numbers(d_key, {5, 4, 8, 12, 14});
-    if (!d) return tl::unexpected(d.error());
-    if ((*k)[1] != 0 || (*k)[3] != 0 || (*k)[6] != 0 || (*k)[7] != 0 || (*k)[8] != 1)
-      return bad(std::string(k_key) + " must have the form [fx 0 cx; 0 fy cy; 0 0 1]");
-    if (!((*k)[0] > 0) || !((*k)[4] > 0))
-      return bad(std::string(k_key) + " has a focal length that is not above 0");
-    Lens lens{(*k)[0], (*k)[4], (*k)[2], (*k)[5], {}};
-    std::copy_n(d->begin(), std::min<std::size_t>(5, d->size()), lens.distortion.begin());
-    if (d->size() > 5 && std::any_of(d->begin() + 5, d->end(), [](double c) { return c != 0; }))
-      return bad(std::string(d_key) +
-                 " has more than the five coefficients k1 k2 p1 p2 k3; calibrate without the "
-                 "rational, prism and tilted models");
-    return lens;
-  }
-
- private:
-  std::map<std::string, CalibrationEntry, std::less<>> entries_;
-  const std::string& name_;
-};
-
-// Whether a rectified pair has numbers with which one can compute.
-bool usable(const CameraModel& m) {
-  const auto within = [](double value) { return std::abs(value) <= kLargest; };  // not NaN
-  return m.fx > 0 && within(m.fx) && m.fy > 0 && within(m.fy) && within(m.cx) && within(m.cy) &&
-         m.baseline_m > 0 && within(m.baseline_m);
-}
-
-// R1, R2, P1, P2 of the file.
-Result<void> take_rectification(const Reader& file, StereoCalibration& c) {
-  const auto r1 = file.turn("R1"), r2 = file.turn("R2");
-  if (!r1) return tl::unexpected(r1.error());
-  if (!r2) return tl::unexpected(r2.error());
-  const auto p1 = file.numbers("P1", {12}), p2 = file.numbers("P2", {12});
-  if (!p1) return tl::unexpected(p1.error());
-  if (!p2) return tl::unexpected(p2.error());
-  const double fx = (*p1)[0], fy = (*p1)[5];
-  if (!(fx > 0) || !(fy > 0)) return file.bad("P1 has a focal length that is not above 0");
-  for (const int i : {0, 1, 2, 4, 5, 6}) {
-    const auto at = static_cast<std::size_t>(i);
-    if (std::abs((*p1)[at] - (*p2)[at]) > 0.01)
-      return file.bad(
-          "P1 and P2 have different focal lengths or centers: rectify again with OpenCV's flag "
-          "CALIB_ZERO_DISPARITY");
-  }
-  c.left.rectified_from_camera = *r1;
-  c.right.rectified_from_camera = *r2;
-  c.rectified = {c.width, c.height, fx, fy, (*p1)[2], (*p1)[6], -(*p2)[3] / fx};
-  if (!(c.rectified.baseline_m > 0))
-    return file.bad(
-        "P2 puts the right eye to the left of the left eye: check whether they are exchanged");
-  if (!usable(c.rectified)) return file.bad("P1 or P2 has a number above 1e6");
-  return {};
-}
-
-Result<StereoCalibration> take(const Reader& file) {
+Result<StereoCalibration> take(const CalibrationReader& file) {
+  if (file.has("camera_matrix"))
+    return file.bad("is the calibration of one camera; Kaz needs both: give LEFT.yaml,RIGHT.yaml");
+  // Written by OpenCV's calibration sample; its value is a flag.
+  if (const auto fisheye = file.word("fisheye_model"); !fisheye.empty() && fisheye != "0")
+    return file.bad("fisheye_model is " + std::string(fisheye) +
+                    ": fisheye lenses are not supported; calibrate without the fisheye model");
   StereoCalibration c;
   const auto width = file.side("image_width"), height = file.side("image_height");
   if (!width) return tl::unexpected(width.error());
   if (!height) return tl::unexpected(height.error());
   c.width = *width;
   c.height = *height;
-  const auto left =
-      KAZ_TRY(file.lens("camera_matrix_left", "M1", "distortion_coefficients_left", "D1"));
-  const auto right =
-      KAZ_TRY(file.lens("camera_matrix_right", "M2", "distortion_coefficients_right", "D2"));
-  c.left.lens = left;
-  c.right.lens = right;
+  const auto key = [&](const char* name, const char* short_name) {
+    return !file.has(name) && file.has(short_name) ? short_name : name;
+  };
+  c.left.lens = KAZ_TRY(
+      file.lens(key("camera_matrix_left", "M1"), key("distortion_coefficients_left", "D1")));
+  c.right.lens = KAZ_TRY(
+      file.lens(key("camera_matrix_right", "M2"), key("distortion_coefficients_right", "D2")));
   const bool rectified = file.has("R1") || file.has("R2") || file.has("P1") || file.has("P2");
   if (rectified) {
-    KAZ_TRY(take_rectification(file, c));
+    KAZ_TRY(take_rectification({file, "R1", "P1"}, {file, "R2", "P2"}, c));
     if (!file.has("R") && !file.has("T")) return c;
   }
   const auto r = KAZ_TRY(file.turn("R"));
@@ -251,7 +117,7 @@ Result<void> rectify_pair(StereoCalibration& c, const Eigen::Matrix3d& right_fro
   } catch (const cv::Exception& error) {
     return fail(Fault::usage, "these lenses cannot be rectified (" + error.err + ")");
   }
-  if (!usable(c.rectified))
+  if (!usable_pair(c.rectified))
     return fail(Fault::usage,
                 "these lenses cannot be rectified: the rectified pictures have no common part");
   return {};
@@ -262,26 +128,46 @@ Result<StereoCalibration> parse_calibration(const std::string& content, const st
   if (content.empty()) return bad("is empty");
   if (content.size() > kLargestFile)
     return bad("is larger than 64 KB, the limit for calibration files");
-  return take(Reader(content, name));
+  if (!looks_like_xml(content)) return take(CalibrationReader(content, name));
+  const std::string yaml = KAZ_TRY(calibration_xml_as_yaml(content, name));
+  return take(CalibrationReader(yaml, name));
 }
 
 Result<StereoCalibration> read_calibration(const std::string& path) {
-  const auto content = KAZ_TRY(read_whole_file(path, kLargestFile, "give a calibration file"));
+  const auto content_of = [](const std::string& file) {
+    return read_whole_file(file, kLargestFile, "give a calibration file");
+  };
+  std::error_code error;
+  if (const auto pair = camera_info_paths(path); pair && !std::filesystem::exists(path, error)) {
+    const auto left = KAZ_TRY(content_of(pair->left)), right = KAZ_TRY(content_of(pair->right));
+    return parse_camera_info({left, right}, *pair);
+  }
+  const auto content = KAZ_TRY(content_of(path));
   return parse_calibration(content, path);
 }
 
 Result<CalibrationFormat> calibration_format(const std::string& path) {
-  const auto ends = [&](const char* ending) { return path.ends_with(ending); };
-  if (ends(".yml") || ends(".yaml")) return CalibrationFormat::yaml;
-  if (ends(".json")) return CalibrationFormat::json;
-  return fail(Fault::usage, "the calibration file '" + path + "' must end with .yml or .json");
+  const auto is_yaml = [](const std::string& name) {
+    return name.ends_with(".yml") || name.ends_with(".yaml");
+  };
+  if (const auto pair = camera_info_paths(path)) {
+    if (is_yaml(pair->left) && is_yaml(pair->right)) return CalibrationFormat::camera_info;
+  } else {
+    if (is_yaml(path)) return CalibrationFormat::yaml;
+    if (path.ends_with(".json")) return CalibrationFormat::json;
+    if (path.ends_with(".xml")) return CalibrationFormat::xml;
+  }
+  return fail(Fault::usage, "the calibration file '" + path +
+                                "' must end with .yml, .yaml, .json or .xml; two files for ROS "
+                                "must be LEFT.yaml,RIGHT.yaml");
 }
 
 std::string calibration_text(const StereoCalibration& c, CalibrationFormat format,
                              const std::vector<std::pair<std::string, double>>& notes,
                              const std::string& date) {
-  const int kind = format == CalibrationFormat::json ? cv::FileStorage::FORMAT_JSON
-                                                     : cv::FileStorage::FORMAT_YAML;
+  const int kind = format == CalibrationFormat::json  ? cv::FileStorage::FORMAT_JSON
+                   : format == CalibrationFormat::xml ? cv::FileStorage::FORMAT_XML
+                                                      : cv::FileStorage::FORMAT_YAML;
   cv::FileStorage file("", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | kind);
   const CameraModel& m = c.rectified;
   cv::Mat p1 = (cv::Mat_<double>(3, 4) << m.fx, 0, m.cx, 0, 0, m.fy, m.cy, 0, 0, 0, 1, 0);

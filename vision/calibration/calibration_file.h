@@ -1,4 +1,4 @@
-// Reads and writes calibration files in OpenCV's format: YAML or JSON of cv::FileStorage.
+// Reads and writes calibration files: cv::FileStorage's YAML, JSON and XML, and ROS's camera_info.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Keys: image_width, image_height, camera_matrix_left, distortion_coefficients_left (and _right). R and T are
@@ -6,7 +6,7 @@
 // R2, P1, P2 and Q describe the rectification. The short names M1, D1, M2 and D2 of OpenCV's stereo sample
 // are also accepted. If a file has none of the keys R1, R2, P1 and P2, the rectification is computed by
 // cv::stereoRectify with CALIB_ZERO_DISPARITY and alpha = 0. With alpha = 0, rectified pictures have hardly
-// any black edges.
+// any black edges. The path "LEFT,RIGHT" names two camera_info files (camera_info.h).
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ namespace kaz::vision {
 
 // Reads a calibration. Errors name the file and the key. Errors:
 // - missing, repeated or non-finite values.
-// - lenses with more than five non-zero coefficients.
+// - fisheye lenses, and lenses with more than five non-zero coefficients.
 // - matrices that are not rotations.
 // - exchanged eyes, or one eye above the other.
 // - R and T that contradict R1, R2 and P2.
@@ -27,14 +27,15 @@ Result<StereoCalibration> read_calibration(const std::string& path);
 // Like read_calibration(), but for the content of a file. Errors contain `name`.
 Result<StereoCalibration> parse_calibration(const std::string& content, const std::string& name);
 
-enum class CalibrationFormat { yaml, json };
-// Returns the format that belongs to the extension of a file name: .yml, .yaml or .json. Any other extension
-// is an error.
+enum class CalibrationFormat { yaml, json, xml, camera_info };
+// Returns the format that belongs to the extension of a file name: .yml, .yaml, .json or .xml. "LEFT,RIGHT"
+// is camera_info if both names end with .yml or .yaml. Any other name is an error.
 Result<CalibrationFormat> calibration_format(const std::string& path);
 
-// Returns the content of a calibration file, with 17 digits per number. `notes` are additional keys and
-// numbers, for example about how the calibration was made. `date` is written as calibration_time, a key of
-// OpenCV's calibration sample. If `date` is empty, the key is left out.
+// Returns the content of a calibration file, with 17 digits per number. `format` must not be camera_info
+// (camera_info_text() writes these files). `notes` are additional keys and numbers, for example about how
+// the calibration was made. `date` is written as calibration_time, a key of OpenCV's calibration sample. If
+// `date` is empty, the key is left out.
 std::string calibration_text(const StereoCalibration& calibration, CalibrationFormat format,
                              const std::vector<std::pair<std::string, double>>& notes = {},
                              const std::string& date = "");

@@ -141,7 +141,7 @@ TEST(CalibrationFile, NamesWhatIsWrong) {
   expect("distortion_coefficients_left", "0., 0., 0., 0., 0., .1, 0., 0.", "five coefficients",
          "8");
   expect("R1", "1., 0., 0., 0., 1., 0., 0., 0., -1.", "not a rotation");
-  expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "different focal lengths");
+  expect("P2", "9., 0., 5., 0., 0., 9., 5., 0., 0., 0., 1., 0.", "another focal length");
   expect("T", "-0.05, 0., 0.", "do not match");
   for (const std::string shape : {"cols: -3", "cols: 0", "cols: 1e9", "cols: 2.5", "cols: x"}) {
     std::string wrong = whole;

@@ -38,6 +38,12 @@ class Words {
     skip();
     return at_ < text_.size() && text_[at_] == c;
   }
+  // Whether the next word is a key, as below the key of a matrix of ROS.
+  bool before_key() const {
+    Words ahead = *this;
+    ahead.next();
+    return ahead.before(':');
+  }
 
  private:
   static bool sign(char c) {
@@ -87,7 +93,7 @@ std::map<std::string, CalibrationEntry, std::less<>> scan_calibration(std::strin
     }
     if (entry == nullptr || of_a_matrix(word)) continue;
     if (!words.before('[')) {
-      if (word == "data" || words.before('{')) continue;
+      if (word == "data" || words.before('{') || words.before_key()) continue;
       entry->values.assign(1, words.next());
       if (entry->values.front().starts_with("!!")) entry->values.clear();
       continue;

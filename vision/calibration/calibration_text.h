@@ -1,5 +1,5 @@
-// Scans a calibration file for keys and numbers. The file is YAML or JSON as written by cv::FileStorage.
-// Internal to vision/.
+// Scans a calibration file for keys and numbers. The file is YAML or JSON as written by cv::FileStorage, or
+// YAML of ROS. Internal to vision/.
 // SPDX-License-Identifier: Apache-2.0
 //
 // OpenCV 4.6's parser crashes on some damaged files, so calibration files are read with this scanner. The

@@ -243,6 +243,18 @@ TEST(Calibrate, NamesAndLeavesOutWhatShowsNoBoard) {
   EXPECT_TRUE(vision::read_calibration(folder / "stereo.json"));
 }
 
+TEST(Calibrate, WritesTwoFilesForRos) {
+  const TemporaryFolder folder;
+  copy_pairs(folder.path(), {"01", "03", "04", "06", "08"});
+  const std::string out = folder / "l.yaml" + "," + folder / "r.yaml";
+  ASSERT_EQ(calibrate(folder.path(), out).exit_code, 0);
+  const auto both = vision::read_calibration(out);
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_NEAR(both->rectified.baseline_m, 0.083, 0.003);
+  EXPECT_TRUE(fs::exists(folder / "l.coverage.png"));
+  EXPECT_NE(read_file(folder / "r.yaml").find("camera_name: right"), std::string::npos);
+}
+
 TEST(Calibrate, RefusesWhatGivesNoCalibration) {
   const TemporaryFolder folder;
   const std::string out = folder / "stereo.yml";

@@ -34,6 +34,7 @@ Complaint try_episodes(Bytes bytes);  // episode file of `kaz evaluate`
 // Notes of a run that changes a board; a valid input is also written and read again.
 Complaint try_kept(Bytes bytes);
 Complaint try_recording(Bytes bytes);  // MCAP file, and its decoding by `kaz replay`
+Complaint try_can_log(Bytes bytes);    // candump log, and the comparison of its answers (can_logs.cpp)
 
 // Lines and sockets (wire.cpp, flash.cpp, sockets.cpp).
 // Receiver of frames, compared with the receiver of the conformance tests.
@@ -84,6 +85,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"episodes", try_episodes},
                                            {"kept", try_kept},
                                            {"recording", try_recording},
+                                           {"can_log", try_can_log},
                                            {"frames", try_frames},
                                            {"replies", try_replies},
                                            {"flash_replies", try_flash_replies},

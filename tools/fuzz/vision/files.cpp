@@ -5,6 +5,7 @@
 #include "tools/fuzz/vision/targets.h"
 #include "tools/vision/color_file.h"
 #include "vision/calibration/calibration_file.h"
+#include "vision/calibration/camera_info.h"
 #include "vision/calibration/rectify.h"
 #include "vision/image/picture_file.h"
 
@@ -19,6 +20,20 @@ bool finite(const vision::CameraModel& c) {
   return std::isfinite(c.fx) && c.fx > 0 && std::isfinite(c.fy) && c.fy > 0 &&
          std::isfinite(c.cx) && std::isfinite(c.cy) && std::isfinite(c.baseline_m) &&
          c.baseline_m > 0;
+}
+
+// Two camera_info files in one input, between which is a line "---".
+Complaint try_camera_info(const std::string& text, std::size_t mark) {
+  const auto read = vision::parse_camera_info({text.substr(0, mark), text.substr(mark + 5)},
+                                              {"case.left", "case.right"});
+  if (!read) {
+    if (read.error().message.starts_with("case.")) return std::nullopt;
+    return "the error does not name the file: " + read.error().message;
+  }
+  if (!finite(read->rectified)) return "an invalid camera model was read";
+  const auto again = vision::parse_camera_info(vision::camera_info_text(*read), {"left", "right"});
+  if (!again) return "written data cannot be read back: " + again.error().message;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -37,13 +52,17 @@ Complaint try_picture(Bytes bytes) {
 }
 
 Complaint try_calibration(Bytes bytes) {
-  const auto read = vision::parse_calibration(text_of(bytes), "case");
+  const std::string text = text_of(bytes);
+  if (const auto mark = text.find("\n---\n"); mark != std::string::npos)
+    return try_camera_info(text, mark);
+  const auto read = vision::parse_calibration(text, "case");
   if (!read) {
     if (read.error().message.rfind("case", 0) == 0) return std::nullopt;
     return "the error does not name the file: " + read.error().message;
   }
   if (!finite(read->rectified)) return "an invalid camera model was read";
-  for (const auto format : {vision::CalibrationFormat::yaml, vision::CalibrationFormat::json}) {
+  using Format = vision::CalibrationFormat;
+  for (const auto format : {Format::yaml, Format::json, Format::xml}) {
     const auto again = vision::parse_calibration(vision::calibration_text(*read, format), "again");
     if (!again) return "written data cannot be read back: " + again.error().message;
   }
