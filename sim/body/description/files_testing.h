@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +30,28 @@ inline std::string read_text(const std::string& path) {
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
+}
+
+// URDF files in the tree. KAZ_ROBOT_FILES=FOLDER: all URDF files below this folder instead.
+inline std::vector<std::string> robot_files() {
+  const char* named = std::getenv("KAZ_ROBOT_FILES");
+  std::vector<std::string> folders{"shared/robot", "sim/robots"}, found;
+  if (named != nullptr) folders = {named};
+  for (const std::string& folder : folders) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() == ".urdf") found.push_back(entry.path().string());
+    }
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+// Name of the test of one of robot_files().
+inline std::string robot_test_name(const testing::TestParamInfo<std::string>& test) {
+  std::string name =
+      std::filesystem::path(test.param).stem().string() + "_" + std::to_string(test.index);
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
 }
 
 // Temporary folder of the current test case. The destructor removes the folder.

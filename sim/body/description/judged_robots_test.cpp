@@ -1,37 +1,19 @@
 // Our URDF reader against urdfdom and KDL: mass, center of mass, joints, limits, and the pose of each link.
 // SPDX-License-Identifier: Apache-2.0
-//
-// KAZ_ROBOT_FILES=FOLDER: all URDF files below this folder, instead of those in the tree.
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 #include <kdl/treefksolverpos_recursive.hpp>
 #include <kdl_parser/kdl_parser.hpp>
 
+#include "sim/body/description/files_testing.h"
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kAgrees = 1e-9;  // m, kg, rad
-
-std::vector<std::string> files() {
-  const char* named = std::getenv("KAZ_ROBOT_FILES");
-  std::vector<std::string> found;
-  std::vector<fs::path> folders{"shared/robot", "sim/robots"};
-  if (named != nullptr) folders = {named};
-  for (const fs::path& folder : folders) {
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.path().extension() == ".urdf") found.push_back(entry.path().string());
-    }
-  }
-  return found;
-}
 
 Eigen::Isometry3d from_kdl(const KDL::Frame& frame) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -139,11 +121,8 @@ TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, JudgedRobot, testing::ValuesIn(files()), [](const auto& test) {
-  std::string name = fs::path(test.param).stem().string() + "_" + std::to_string(test.index);
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Files, JudgedRobot, testing::ValuesIn(test::robot_files()),
+                         test::robot_test_name);
 
 }  // namespace
 }  // namespace kaz::sim

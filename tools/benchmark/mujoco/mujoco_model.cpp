@@ -12,9 +12,6 @@
 namespace kaz::sim::bench {
 namespace {
 
-// Contacts settle in four steps of 1 ms, critically damped: MuJoCo's default of 20 ms lets a sole sink.
-constexpr const char* kContacts = "0.004 1";
-
 std::string text(std::initializer_list<double> numbers) {
   std::ostringstream out;
   out << std::setprecision(std::numeric_limits<double>::max_digits10);
@@ -67,7 +64,9 @@ std::string geoms(const RigidLink& link, const Eigen::Isometry3d& at) {
   return all;
 }
 
+// Empty for a link without mass, which must be fixed.
 std::string inertial(const RigidLink& link) {
+  if (link.mass == 0) return "";
   const Eigen::Matrix3d& i = link.inertia;
   return "<inertial pos=\"" + text(link.com) + "\" mass=\"" + text({link.mass}) +
          "\" fullinertia=\"" + text({i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)}) +
@@ -118,6 +117,7 @@ std::string exemptions(const RobotModel& robot, int generations) {
 
 std::string mujoco_model(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
                          const Eigen::Isometry3d& root, const MujocoSettings& settings) {
+  const std::string contacts = text({settings.solref[0], settings.solref[1]});
   std::string bodies;
   int moving = 0;
   for (const WorldBody& body : world.bodies) {
@@ -131,15 +131,16 @@ std::string mujoco_model(const WorldModel& world, const RobotModel& robot, const
   }
   return "<mujoco model=\"" + robot.name +
          "\">\n<compiler angle=\"radian\"/>\n<option timestep=\"" + text({settings.step_s}) +
-         "\" gravity=\"" + text(world.gravity) +
+         "\" gravity=\"" + text(world.gravity) + "\" impratio=\"" + text({settings.impratio}) +
          "\" cone=\"elliptic\" solver=\"Newton\"/>\n<size njmax=\"2000\" "
          "nconmax=\"500\"/>\n<default>\n" +
          "<joint type=\"hinge\" limited=\"true\" armature=\"" + text({motor.rotor_inertia_kgm2}) +
          "\" damping=\"" + text({motor.back_emf_nms_per_rad}) + "\" frictionloss=\"" +
-         text({motor.friction_nm}) + "\" solreflimit=\"" + kContacts + "\"/>\n<geom solref=\"" +
-         kContacts + "\"/>\n</default>\n<worldbody>\n" + bodies +
-         subtree(robot, 0, root, settings) + "</worldbody>\n<contact>\n" +
-         exemptions(robot, settings.exempt_generations) + "</contact>\n</mujoco>\n";
+         text({motor.friction_nm}) + "\" solreflimit=\"" + contacts + "\"/>\n<geom solref=\"" +
+         contacts + "\" solimp=\"" + text({settings.solimp[0], settings.solimp[1]}) +
+         " 0.001\"/>\n</default>\n<worldbody>\n" + bodies + subtree(robot, 0, root, settings) +
+         "</worldbody>\n<contact>\n" + exemptions(robot, settings.exempt_generations) +
+         "</contact>\n</mujoco>\n";
 }
 
 }  // namespace kaz::sim::bench

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "sim/body/description/motor_file.h"
@@ -12,6 +13,12 @@ namespace kaz::sim::bench {
 
 struct MujocoSettings {
   double step_s = 0.001;
+  // MuJoCo's `solref` of contacts and stops. Positive: time constant (s) and damping ratio; MuJoCo's
+  // default of 20 ms lets a sole sink. Negative: -stiffness (1/s^2) and -damping (1/s).
+  std::array<double, 2> solref{0.004, 1};
+  // MuJoCo's impedance of contacts, at contact and 1 mm deep.
+  std::array<double, 2> solimp{0.9, 0.95};
+  double impratio = 1;  // MuJoCo's ratio of the impedances of friction and of the normal force
   bool fixed_base = false;
   double stop_margin_rad = 0;  // angle from a joint's limit in the robot file to the joint's stop
   // Number of nearest ancestors with which a link does not collide.

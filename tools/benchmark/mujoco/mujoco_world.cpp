@@ -24,9 +24,15 @@ Result<std::unique_ptr<World>> MujocoWorld::load(const std::string& world_path,
                                                  const std::string& robot_path,
                                                  const WorldOptions& options) {
   const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
-  std::unique_ptr<MujocoWorld> made(
-      new MujocoWorld(files.world, files.robot, files.motor, options));
-  KAZ_TRY(made->compile(files.world, files.robot));
+  return make(files.world, files.robot, files.motor, options, {});
+}
+
+Result<std::unique_ptr<World>> MujocoWorld::make(const WorldModel& world, const RobotModel& robot,
+                                                 const MotorParams& motor,
+                                                 const WorldOptions& options,
+                                                 MujocoSettings settings) {
+  std::unique_ptr<MujocoWorld> made(new MujocoWorld(world, robot, motor, options));
+  KAZ_TRY(made->compile(world, robot, settings));
   return made;
 }
 
@@ -34,12 +40,13 @@ MujocoWorld::MujocoWorld(const WorldModel& world, const RobotModel& robot, const
                          const WorldOptions& options)
     : StagedWorld(world, robot, motor, options), motor_(motor) {}
 
-Result<void> MujocoWorld::compile(const WorldModel& world, const RobotModel& robot) {
-  const std::string text = mujoco_model(world, robot, motor_, bodies()[0].start,
-                                        {.step_s = step_s_,
-                                         .fixed_base = hung_ || robot.fixed_base,
-                                         .stop_margin_rad = kStopMargin,
-                                         .exempt_generations = kExemptGenerations});
+Result<void> MujocoWorld::compile(const WorldModel& world, const RobotModel& robot,
+                                  MujocoSettings settings) {
+  settings.step_s = step_s_;
+  settings.fixed_base = hung_ || robot.fixed_base;
+  settings.stop_margin_rad = kStopMargin;
+  settings.exempt_generations = kExemptGenerations;
+  const std::string text = mujoco_model(world, robot, motor_, bodies()[0].start, settings);
   const auto files = std::make_unique<mjVFS>();  // some megabytes
   mj_defaultVFS(files.get());
   mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(text.size()));

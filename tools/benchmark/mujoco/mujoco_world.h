@@ -1,4 +1,4 @@
-// Robot and other bodies in MuJoCo, only for the dynamics benchmark.
+// Robot and other bodies in MuJoCo, only for the dynamics benchmark and for tests.
 // SPDX-License-Identifier: Apache-2.0
 //
 // Files, masses, shapes, motor model and position loops are the same as for the other steppers. The solver is
@@ -19,6 +19,7 @@
 
 #include "sim/body/world/staged_world.h"
 #include "tools/benchmark/common/imu_by_differences.h"
+#include "tools/benchmark/mujoco/mujoco_model.h"
 
 namespace kaz::sim::bench {
 
@@ -29,6 +30,11 @@ class MujocoWorld final : public StagedWorld {
   static Result<std::unique_ptr<World>> load(const std::string& world_path,
                                              const std::string& robot_path,
                                              const WorldOptions& options);
+  // Builds the world of models that are already in memory. Only MujocoSettings::solref is taken from
+  // `settings`. Returns Fault::failed if MuJoCo rejects the model.
+  static Result<std::unique_ptr<World>> make(const WorldModel& world, const RobotModel& robot,
+                                             const MotorParams& motor, const WorldOptions& options,
+                                             MujocoSettings settings);
 
   void step(std::span<const MotorDrive> drives, double supply_volts) override;
   int find_contacts() override;
@@ -47,7 +53,7 @@ class MujocoWorld final : public StagedWorld {
 
   MujocoWorld(const WorldModel& world, const RobotModel& robot, const MotorParams& motor,
               const WorldOptions& options);
-  Result<void> compile(const WorldModel& world, const RobotModel& robot);
+  Result<void> compile(const WorldModel& world, const RobotModel& robot, MujocoSettings settings);
   Eigen::Isometry3d moving_pose(int body) const override;
   void kick(int body, const Eigen::Vector3d& velocity) override;
   void push_links();
