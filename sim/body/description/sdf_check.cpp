@@ -3,6 +3,7 @@
 #include "sim/body/description/sdf_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -299,6 +300,8 @@ class SdfFileCheck {
     if (name == "pose" && text.empty())
       return e.Attribute("rotation_format", "quat_xyzw") ? "0 0 0 0 0 0 1" : "0 0 0 0 0 0";
     if (name == "collide_bitmask") return std::to_string(bitmask(text).value_or(0));
+    if (parent == "limit" && std::isinf(joint_limit(text).value_or(0)))
+      return text.starts_with('-') ? "-1e16" : "1e16";
     if (name != "uri" || parent != "mesh") return text;
     const auto path = scan_.path.find(file_.path(), text);
     const auto wrong = path ? mesh_error(*path) : path.error().message;
@@ -372,10 +375,7 @@ class SdfFileCheck {
     const std::size_t before = scan_.models;
     IncludedModel included;
     const auto file = XmlFile::load(*path, "sdf");
-    if (!file) {
-      scan_.errors.push_back(file.error());
-      return included;
-    }
+    if (!file) return report_.object(uri, what + "is not valid: " + file.error().message), included;
     scan_.open.push_back(*path);
     const int line = report_.line_of(uri);
     const std::string text =

@@ -212,6 +212,13 @@ TEST_F(SdfFile, RefusesIncludesThatItCannotFollow) {
   write("b.sdf", model_file("b", "<include><uri>a.sdf</uri></include>" + link_text("l")));
   expect_error("<include><uri>a.sdf</uri></include>", "model `a.sdf` includes itself");
   expect_error("<include><uri>world.sdf</uri></include>", "model `world.sdf` includes itself");
+  write("robot.sdf", "<robot/>");
+  expect_error("<include><uri>robot.sdf</uri></include>",
+               "world.sdf:8: model `robot.sdf` is not valid: ");
+  write("world_too.sdf", "<sdf version='1.9'><world name='w'/></sdf>");
+  expect_error(
+      "<include><uri>world_too.sdf</uri></include>",
+      "world_too.sdf:1: <world> is not supported in an included file; it needs one <model>");
   expect_error("<include merge='true'><uri>a.sdf</uri></include>",
                "attribute `merge` of <include> is not supported");
 }
@@ -303,6 +310,17 @@ TEST_F(SdfFile, OtherJointsConnectBodies) {
   EXPECT_TRUE(slide.axis.isApprox(Eigen::Vector3d(1, 0, 0), 1e-12)) << slide.axis;
   EXPECT_EQ(world->joints[2].kind, WorldJoint::Kind::ball);
   EXPECT_EQ(world->joints[3].lower, -HUGE_VAL);
+}
+
+TEST_F(SdfFile, RefusesLimitsInTheWrongOrder) {
+  for (const char* limits :
+       {"<lower>1</lower><upper>-1</upper>", "<lower>1e16</lower><upper>1e16</upper>",
+        "<lower>-inf</lower><upper>-inf</upper>"})
+    expect_error("<model name='m'>" + link_text("a") +
+                     "<joint name='j' type='revolute'><parent>world</parent><child>a</child><axis>"
+                     "<limit>" +
+                     limits + "</limit></axis></joint></model>",
+                 "lower limit of joint `j` is above the upper limit");
 }
 
 TEST_F(SdfFile, NestedModelsHaveTheNamesOfTheirParents) {

@@ -32,6 +32,7 @@ constexpr NeededChild kNeededChildren[] = {
 };
 constexpr const char* kNamed[] = {"world",     "model", "link", "visual",
                                   "collision", "frame", "joint"};
+constexpr double kLargestLimit = 1e16;  // rad or m; larger limits are infinite
 constexpr const char* kJointTypes[] = {"ball", "continuous", "fixed", "prismatic", "revolute"};
 
 std::string name_of(const SdfNode& e) {
@@ -155,7 +156,8 @@ void check_joint(const SdfNode& joint, SdfReport& report) {
   const SdfNode* upper = limit == nullptr ? nullptr : limit->FirstChildElement("upper");
   if (lower == nullptr || upper == nullptr) return;
   const auto low = joint_limit(trimmed_text(*lower)), high = joint_limit(trimmed_text(*upper));
-  if (low && high && *low > *high)
+  if (!low || !high) return;
+  if (*low > *high || *low > kLargestLimit || *high < -kLargestLimit)
     report.object(*lower, "lower limit of joint `" + name_of(joint) +
                               "` is above the upper limit; exchange them");
 }

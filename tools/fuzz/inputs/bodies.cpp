@@ -79,6 +79,14 @@ Complaint try_world(Bytes bytes) {
       if (!(kick.time_s >= 0) || !kick.velocity.allFinite()) return "an invalid kick was read";
     }
   }
+  for (const sim::WorldJoint& joint : world->joints) {
+    const int bodies = static_cast<int>(world->bodies.size());
+    if (joint.child < 0 || joint.child >= bodies || joint.parent < -1 || joint.parent >= bodies ||
+        joint.parent == joint.child || !(std::abs(joint.axis.norm() - 1) < 1e-6) ||
+        !joint.anchor.allFinite() || !(joint.lower <= joint.upper) || !(joint.damping >= 0) ||
+        !(joint.friction >= 0))
+      return "joint " + joint.name + " of the world is invalid";
+  }
   return std::nullopt;
 }
 
