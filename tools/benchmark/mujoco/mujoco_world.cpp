@@ -24,6 +24,10 @@ Result<std::unique_ptr<World>> MujocoWorld::load(const std::string& world_path,
                                                  const std::string& robot_path,
                                                  const WorldOptions& options) {
   const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  if (files.robot.motors() != files.robot.joints.size() || !files.world.joints.empty())
+    return fail(Fault::usage,
+                "the MuJoCo model has no joints that follow others, and no joints of worlds; give "
+                "a robot and a world without them");
   std::unique_ptr<MujocoWorld> made(
       new MujocoWorld(files.world, files.robot, files.motor, options));
   KAZ_TRY(made->compile(files.world, files.robot));
