@@ -28,6 +28,7 @@ Result<void> PosePlayer::check(const motion::PoseMotion& motion) {
     const auto settings = KAZ_TRY(context_.robot.settings(extent.joint));
     const std::string& name = names[static_cast<std::size_t>(extent.joint)];
     const auto [ramp, lower, upper] = settings.limits;
+    approach_rad_per_s_[static_cast<std::size_t>(extent.joint)] = std::min(ramp, kSlow_rad_per_s);
     char text[200];
     if (extent.lowest_rad < lower - kUnit || extent.highest_rad > upper + kUnit) {
       std::snprintf(text, sizeof text,
@@ -57,10 +58,12 @@ Result<bool> PosePlayer::approach(const motion::PoseMotion& motion,
   Time end{};
   host::Posture last = KAZ_TRY(context_.robot.state());
   while (begin || context_.clock.now() < end) {
-    double longest = 0;
-    for (const auto& [joint, angle] : targets)
-      longest = std::max(longest, std::abs(angle - last.angle[static_cast<std::size_t>(joint)]));
-    const Time duration = from_seconds(longest / kSlow_rad_per_s);
+    double longest_s = 0;
+    for (const auto& [joint, angle] : targets) {
+      const auto j = static_cast<std::size_t>(joint);
+      longest_s = std::max(longest_s, std::abs(angle - last.angle[j]) / approach_rad_per_s_[j]);
+    }
+    const Time duration = from_seconds(longest_s);
     if (begin) end = context_.clock.now() + duration + kSettle;
     const auto input = KAZ_TRY(cycle_.next(
         begin ? std::span<const host::JointTarget>(targets) : std::span<const host::JointTarget>(),

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,11 +17,15 @@ std::vector<std::string> joint_names(const Context& context);
 
 class PosePlayer {
  public:
-  static constexpr double kSlow_rad_per_s = 0.8;  // speed of the approach to the first pose
+  // Largest speed of the approach to the first pose.
+  static constexpr double kSlow_rad_per_s = 0.8;
 
   // The context must outlive this object. The motors must be on before play().
-  explicit PosePlayer(Context& context) : context_(context), cycle_(context) {}
+  explicit PosePlayer(Context& context) : context_(context), cycle_(context) {
+    approach_rad_per_s_.fill(kSlow_rad_per_s);
+  }
 
+  // Also bounds the approach to the first pose by the board's limits of speed.
   // Errors (usage): an angle or a speed exceeds the board's limits; the message names the joint. Also returns
   // the errors of the link.
   Result<void> check(const motion::PoseMotion& motion);
@@ -51,6 +56,7 @@ class PosePlayer {
 
   Context& context_;
   ControlCycle cycle_;
+  std::array<double, KZ_JOINTS> approach_rad_per_s_{};  // indexed by joint
 };
 
 }  // namespace kaz::behavior

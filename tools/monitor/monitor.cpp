@@ -35,6 +35,7 @@ constexpr Time kWatchdog = std::chrono::seconds(1);
 
 struct Limits {
   double lower_rad, upper_rad;
+  double rad_per_s = kSpeed;  // largest speed
 };
 
 // What is at the port.
@@ -265,7 +266,8 @@ class Monitor {
     const double from = view_.targets[static_cast<std::size_t>(selected_)];
     const double to = std::clamp(from + by_rad, limits.lower_rad, limits.upper_rad);
     const host::JointTarget target{selected_, to};
-    if (auto set = robot().set_targets({&target, 1}, from_seconds(std::abs(to - from) / kSpeed));
+    if (auto set =
+            robot().set_targets({&target, 1}, from_seconds(std::abs(to - from) / limits.rad_per_s));
         !set)
       return set;
     // Shown until the next reading of the board, so that keys pressed quickly add up.
@@ -380,7 +382,7 @@ Result<Monitored> find_monitored(const MonitorOptions& options) {
     for (const sim::RobotJoint& joint : robot.joints) {
       if (joint.follows) continue;
       found.names.push_back(joint.name);
-      found.limits.push_back({joint.lower, joint.upper});
+      found.limits.push_back({joint.lower, joint.upper, std::min(joint.velocity, kSpeed)});
     }
   }
   if (found.limits.empty())

@@ -98,6 +98,7 @@ class World {
   // entry, the H-bridge of the joint's motor is open. The function does nothing once diagnostics().failure is
   // set.
   virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
+  // The joints with a motor. Joints that follow another joint are not listed.
   virtual std::span<const JointState> joints() const = 0;
   virtual std::span<const std::string> joint_order() const = 0;  // names, in the order of joints()
   // Sum of the motors' supply currents in the last step, A.

@@ -31,6 +31,10 @@ Result<std::unique_ptr<World>> MujocoWorld::make(const WorldModel& world, const 
                                                  const MotorParams& motor,
                                                  const WorldOptions& options,
                                                  MujocoSettings settings) {
+  if (robot.motors() != robot.joints.size() || !world.joints.empty())
+    return fail(Fault::usage,
+                "the MuJoCo model has no joints that follow others, and no joints of worlds; give "
+                "a robot and a world without them");
   std::unique_ptr<MujocoWorld> made(new MujocoWorld(world, robot, motor, options));
   KAZ_TRY(made->compile(world, robot, settings));
   return made;
