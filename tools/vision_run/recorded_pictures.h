@@ -21,6 +21,8 @@ struct RecordedOptions {
   std::string in, out, modules = "color";
   // Files to export: "depth", "points" or both, separated by a comma; empty: no files.
   std::string exported;
+  // Topics of a recording of another program, LEFT,RIGHT; empty: the only pair of topics.
+  std::string topics;
   std::string robot;         // port of the robot, serial:PATH[@BAUD]; only with a live camera
   std::uint8_t address = 1;  // address of the robot's board
   // Maximum number of frames; 0: all frames, or frames until an interrupt.

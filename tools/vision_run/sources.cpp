@@ -1,10 +1,8 @@
 // `kaz vision run` on stereo pairs: of files, of a live camera, of a recording.
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <sstream>
 
 #include "host/camera/capture.h"
 #include "host/link/wall_clock.h"
@@ -20,136 +18,17 @@
 #include "tools/run/run_observer.h"
 #include "tools/vision/picture_pairs.h"
 #include "tools/vision/report.h"
+#include "tools/vision_run/others_recording.h"
 #include "tools/vision_run/recorded_pictures.h"
+#include "tools/vision_run/stereo_run.h"
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
-#include "vision/depth/swapped_cameras.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Result<VisionOptions> vision_options(const RecordedOptions& options) {
-  VisionOptions vision;
-  vision.modules = options.modules;
-  vision.depth.nearest_m = options.nearest_m.value_or(vision.depth.nearest_m);
-  const auto ball = KAZ_TRY(ball_options(options));
-  vision.ball = ball;
-  if (!options.exported.empty()) {
-    std::istringstream words(options.exported);
-    for (std::string word; std::getline(words, word, ',');) {
-      if (word != "depth" && word != "points")
-        return fail(Fault::usage, "--export '" + word + "': must be depth or points");
-      (word == "depth" ? vision.export_depth : vision.export_points) = true;
-    }
-    if (("," + vision.modules + ",").find(",depth,") == std::string::npos)
-      vision.modules += vision.modules.empty() ? "depth" : ",depth";
-  }
-  const auto modules = KAZ_TRY(parse_modules(vision.modules));
-  if (options.nearest_m && std::ranges::find(modules, "depth") == modules.end())
-    return fail(Fault::usage, "--nearest is only valid with module depth, which --modules " +
-                                  vision.modules +
-                                  " does not contain: add depth, or leave out --nearest");
-  const bool of_a_ball = !options.color.empty() || options.radius_m != RecordedOptions().radius_m;
-  if (of_a_ball && std::ranges::find(modules, "color") == modules.end())
-    return fail(Fault::usage, std::string(options.color.empty() ? "--radius" : "--color") +
-                                  " is only valid with module color, which --modules " +
-                                  vision.modules +
-                                  " does not contain: add color, or leave the option out");
-  return vision;
-}
-
-// What --nearest can change with these eyes: the range of disparities has at least 16 px, and less than the
-// picture's width.
-Result<void> check_nearest(const RecordedOptions& options, const vision::CameraModel& camera) {
-  constexpr double kMinDisparities_px = 16, kMillimetres = 1000;
-  const double reach = camera.fx * camera.baseline_m;
-  if (!options.nearest_m || !(reach > 0) || camera.width < 2) return {};
-  const double given = *options.nearest_m,
-               min = std::ceil(kMillimetres * reach / (camera.width - 1)) / kMillimetres,
-               max = std::floor(kMillimetres * reach / kMinDisparities_px) / kMillimetres;
-  if (given >= min && given <= max) return {};
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "--nearest %g: must be %.3f to %.3f m with these eyes; for example, 14 cm is 0.14",
-                given, min, max);
-  return fail(Fault::usage, text);
-}
-
-// Modules that need a sequence of pictures or the posture, where there is none.
-Result<void> refuse(const VisionOptions& vision, std::initializer_list<std::string_view> modules,
-                    const std::string& why) {
-  const auto names = parse_modules(vision.modules);
-  for (const std::string& name : *names) {
-    if (std::find(modules.begin(), modules.end(), name) != modules.end())
-      return fail(Fault::usage, "--modules " + name + ": " + why);
-  }
-  return {};
-}
-
-// The end of each kind: files and printed summary. `lost`: why the camera or the robot stopped; empty if
-// none did.
-Result<bool> finish(VisionReport& report, const Json& statistics, const std::string& text,
-                    const RecordedOptions& options, const VisionOptions& vision,
-                    const OutputFolder& folder, bool interrupted, const std::string& lost = "") {
-  KAZ_TRY(report.end());
-  // A signal that came while overlays were being written counts, too, if it cost any.
-  const std::size_t not_written = report.files_not_written();
-  interrupted = interrupted || not_written > 0;
-  const std::string without = not_written == 0 ? ""
-                                               : "; not written: " + counted(not_written, "file") +
-                                                     " (overlays, exports) of the last pairs";
-  KAZ_TRY(folder.write("frames.csv", report.table()));
-  // With those that the ones named need.
-  const auto modules = KAZ_TRY(parse_modules(vision.modules));
-  Json result{{"modules", modules},
-              {"frames_looked_at", report.looked_at()},
-              {"vision", statistics},
-              {"frames", report.frames()},
-              {"provenance", provenance_json()}};
-  if (report.cameras_swapped()) result["warning"] = vision::kSwappedCameras;
-  if (interrupted) mark_interrupted(result);
-  if (not_written > 0) result["files_not_written"] = not_written;
-  if (!lost.empty()) result["ended_early"] = lost;
-  KAZ_TRY(folder.write_json("result.json", result));
-  if (report.looked_at() == 0 && !interrupted && lost.empty())
-    return fail(Fault::failed,
-                report.frames().empty()
-                    ? "no pair of pictures was received"
-                    : "none of " + counted(report.frames().size(), "pair") +
-                          " could be processed; the first: " +
-                          report.frames().front().value("error", std::string("no result")));
-  const auto ended = [&]() -> Result<bool> {
-    if (!lost.empty())
-      return fail(Fault::environment,
-                  lost + "; the results obtained earlier are kept in " + options.out + without);
-    if (!interrupted) return true;
-    return fail(Fault::interrupted,
-                "interrupted; the results obtained before the interruption are kept in " +
-                    options.out + without);
-  };
-  if (options.json) {
-    print_json(result);
-    return ended();
-  }
-  constexpr int kMaxReported = 10;
-  int reported = 0;
-  for (const Json& one : report.frames()) {
-    if (!one.contains("error")) continue;
-    if (++reported <= kMaxReported)
-      print_lines("error: %s\n", one["error"].get<std::string>().c_str());
-  }
-  if (reported > kMaxReported)
-    std::printf("... and %d more (frames.csv)\n", reported - kMaxReported);
-  print_lines("%zu of %s processed%s%s\n", report.looked_at(),
-              counted(report.frames().size(), "pair").c_str(),
-              text.empty() ? "" : "; computing time per pair: ", text.c_str());
-  if (report.cameras_swapped()) print_lines("warning: %s\n", vision::kSwappedCameras);
-  std::printf("overlays, frames.csv and result.json are in %s\n", options.out.c_str());
-  return ended();
-}
 
 tl::unexpected<Error> same_picture(const PicturePair& files) {
   return fail(Fault::usage,
@@ -180,6 +59,11 @@ struct PairReader {
     return rectified;
   }
 };
+
+tl::unexpected<Error> only_others_have_topics() {
+  return fail(Fault::usage,
+              "--topics is only valid with a recording of another program; leave out --topics");
+}
 
 std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
@@ -379,11 +263,15 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
   std::error_code unknown;
   if (std::filesystem::file_size(options.in, unknown) == 0 && !unknown)
     return fail(Fault::usage, options.in + ": the file is empty");
+  const auto recorded = KAZ_TRY(sim::McapRecording::load(options.in));
+  if (!recorded.has_kaz_metadata && !recorded.messages.empty())
+    return run_on_others_recording(options, recorded, vision);
   if (!options.calibration.empty() || options.view_deg != 0)
     return fail(
         Fault::usage,
         options.in + ": a recording contains its camera model: leave out --calibration and --view");
-  const auto recorded = KAZ_TRY(sim::McapRecording::load_run(options.in));
+  if (!options.topics.empty()) return only_others_have_topics();
+  KAZ_TRY(recorded.check_run(options.in));
   if (!recorded.has_messages("/eyes/left"))
     return fail(
         Fault::usage,
@@ -424,9 +312,12 @@ Result<bool> run_on_recording(const RecordedOptions& options) {
 }
 
 Result<bool> run_on_source(const RecordedOptions& options) {
-  if (is_real_camera(options.in)) return run_on_camera(options);
   std::error_code error;
   const auto status = std::filesystem::status(options.in, error);
+  if (!options.topics.empty() && (status.type() != std::filesystem::file_type::regular ||
+                                  vision::looks_like_picture(options.in)))
+    return only_others_have_topics();
+  if (is_real_camera(options.in)) return run_on_camera(options);
   if (!options.robot.empty() && status.type() != std::filesystem::file_type::socket)
     return fail(Fault::usage, "--robot is only valid with a live camera, but '" + options.in +
                                   "' is not a live camera");

@@ -103,7 +103,8 @@ void add_sources(CLI::App& verb, RecordedOptions& options) {
                              "sim --cameras), or two cameras of this machine "
                              "(v4l2:LEFT,RIGHT[,fps=N][,format=NAME], such as "
                              "v4l2:/dev/video0,/dev/video2). The pictures in a folder are used in "
-                             "the order of their names")
+                             "the order of their names. A recording may also be an MCAP file of "
+                             "another program (--topics)")
                  ->type_name("SOURCE");
   auto* left = verb.add_option("--left", options.left,
                                "left pictures of stereo pairs: a file name pattern in quotes")
@@ -116,6 +117,12 @@ void add_sources(CLI::App& verb, RecordedOptions& options) {
           ->needs(left)
           ->type_name("PATTERN");
   left->needs(right);
+  verb.add_option("--topics", options.topics,
+                  "for an MCAP file of another program: topics of the left and right pictures "
+                  "(default: the only pair of topics named left and right). The calibration comes "
+                  "from --calibration, or from the topics camera_info beside the pictures")
+      ->needs(in)
+      ->type_name("LEFT,RIGHT");
 }
 
 void add_run_on_pictures(CLI::App& vision, Action& action) {
@@ -195,6 +202,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "      --export depth,points --out cloud\n"
       "  kaz run search-ball --record-pictures --out seen\n"
       "  kaz vision run --in seen/recording.mcap --modules color,planes --out found\n"
+      "  kaz vision run --in stereo.mcap --topics /left/image_raw,/right/image_raw --out found\n"
       "  kaz vision run --in robot.eyes --robot serial:robot.pty --modules planes --frames 90 \\\n"
       "      --out found\n"
       "  kaz vision run --in v4l2:/dev/video0,/dev/video2 --calibration stereo.yml \\\n"

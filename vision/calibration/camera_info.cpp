@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/calibration/camera_info.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <span>
@@ -33,15 +34,16 @@ std::string eye_text(const StereoCalibration& c, const StereoCalibration::Eye& e
                      const char* camera, double baseline_m) {
   const Lens& lens = eye.lens;
   const CameraModel& m = c.rectified;
-  const double k[] = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
-  const double p[] = {m.fx, 0, m.cx, 0.0 - m.fx * baseline_m, 0, m.fy, m.cy, 0, 0, 0, 1, 0};
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> r = eye.rectified_from_camera;
-  return "image_width: " + std::to_string(c.width) + "\nimage_height: " + std::to_string(c.height) +
-         "\ncamera_name: " + camera + "\n" + matrix_text("camera_matrix", 3, k) +
-         "distortion_model: plumb_bob\n" +
-         matrix_text("distortion_coefficients", 1, lens.distortion) +
-         matrix_text("rectification_matrix", 3, {r.data(), 9}) +
-         matrix_text("projection_matrix", 3, p);
+  return camera_info_file(
+      {.width = static_cast<std::uint32_t>(c.width),
+       .height = static_cast<std::uint32_t>(c.height),
+       .model = "plumb_bob",
+       .d = {lens.distortion.begin(), lens.distortion.end()},
+       .k = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1},
+       .r = {r.data(), r.data() + 9},
+       .p = {m.fx, 0, m.cx, 0.0 - m.fx * baseline_m, 0, m.fy, m.cy, 0, 0, 0, 1, 0}},
+      camera);
 }
 
 Result<Lens> lens_of(const CalibrationReader& file) {
@@ -54,6 +56,22 @@ Result<Lens> lens_of(const CalibrationReader& file) {
 }
 
 }  // namespace
+
+std::string camera_info_file(const CameraInfo& info, const std::string& camera_name) {
+  const bool is_word =
+      !info.model.empty() && info.model.size() < 40 && std::ranges::all_of(info.model, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '_';
+      });
+  const std::string model = info.model.empty() ? "plumb_bob" : is_word ? info.model : "unknown";
+  const std::vector<double> d = info.d.empty() ? std::vector<double>(5) : info.d;
+  return "image_width: " + std::to_string(info.width) +
+         "\nimage_height: " + std::to_string(info.height) + "\ncamera_name: " + camera_name + "\n" +
+         matrix_text("camera_matrix", 3, info.k) + "distortion_model: " + model + "\n" +
+         matrix_text("distortion_coefficients", 1, d) +
+         matrix_text("rectification_matrix", 3, info.r) +
+         matrix_text("projection_matrix", 3, info.p);
+}
 
 std::optional<CameraInfoPair> camera_info_paths(const std::string& path) {
   const auto comma = path.find(',');

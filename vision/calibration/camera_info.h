@@ -7,8 +7,10 @@
 // rational_polynomial is read if k4, k5 and k6 are 0. Other models, such as equidistant, are errors.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "vision/calibration/calibration.h"
 
@@ -18,6 +20,15 @@ namespace kaz::vision {
 struct CameraInfoPair {
   std::string left, right;
 };
+
+// The fields of a camera_info message. Matrices are in row order; an empty list: the message has none.
+struct CameraInfo {
+  std::uint32_t width = 0, height = 0;
+  std::string model;  // distortion_model
+  std::vector<double> d, k, r, p;
+};
+// Returns the content of a file with these fields. Without `d`, the file has five zeros.
+std::string camera_info_file(const CameraInfo& info, const std::string& camera_name);
 
 // Splits "LEFT,RIGHT" at the first comma. nullopt: there is no comma, or a part is empty.
 std::optional<CameraInfoPair> camera_info_paths(const std::string& path);

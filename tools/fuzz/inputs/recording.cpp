@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/runtime/formats/mcap_reader.h"
+#include "sim/runtime/formats/picture_messages.h"
 #include "sim/runtime/simulation/hand_player.h"
 #include "tools/compare/comparison.h"
 #include "tools/fuzz/inputs/input.h"
@@ -12,11 +13,13 @@
 #include "tools/replay/message_fields.h"
 #include "tools/replay/recorded_backend.h"
 #include "tools/replay/recorded_poses.h"
+#include "tools/vision_run/picture_topics.h"
 
 namespace kaz::fuzz {
 namespace {
 
 constexpr int kSteps = 100;  // ms
+constexpr std::uint64_t kMostPixels = 100'000;
 
 Complaint judge(const lockstep::RecordedRun& run) {
   if (run.camera_latency < Time::zero()) return "a picture arrives before its exposure";
@@ -49,11 +52,40 @@ Complaint play(const lockstep::RecordedRun& run) {
   return std::nullopt;
 }
 
+// What `kaz vision run` reads from recordings of other programs.
+Complaint judge_pictures(const sim::McapRecording& recording) {
+  for (const auto& message : recording.messages) {
+    const auto kind = sim::kind_of_channel(recording, message.channel);
+    if (kind == sim::PictureMessageKind::camera_info)
+      (void)sim::parse_camera_info_message(recording, message);
+    if (!sim::is_picture(kind)) continue;
+    const auto parsed = sim::parse_picture(recording, message);
+    if (!parsed || std::uint64_t{parsed->width} * parsed->height > kMostPixels) continue;
+    const auto image = sim::decode_message_picture(*parsed, "case.mcap");
+    if (!image) {
+      if (auto wrong = judge_error(image.error(), "case.mcap")) return wrong;
+    } else if (image->rgb.size() != std::size_t{3} * static_cast<std::size_t>(image->width) *
+                                        static_cast<std::size_t>(image->height)) {
+      return "a picture has a wrong number of pixels";
+    }
+  }
+  const auto topics = tools::stereo_topics(recording, "case.mcap", "");
+  if (!topics) return judge_error(topics.error(), "case.mcap");
+  const auto eyes = tools::recorded_eyes(recording, "case.mcap", *topics, "");
+  if (!eyes) return judge_error(eyes.error(), "case.mcap");
+  if (!(eyes->calibration.rectified.baseline_m > 0)) return "an invalid camera model was read";
+  const auto pairs = tools::pairs_in(recording, *topics).pairs;
+  for (std::size_t k = 1; k < pairs.size(); ++k)
+    if (pairs[k].stamp_ns <= pairs[k - 1].stamp_ns) return "the times of pairs do not increase";
+  return std::nullopt;
+}
+
 }  // namespace
 
 Complaint try_recording(Bytes bytes) {
   const auto recording = sim::McapRecording::parse(bytes, "case.mcap");
   if (!recording) return judge_error(recording.error(), "case.mcap");
+  if (auto wrong = judge_pictures(*recording)) return wrong;
   if (recording->duration_ns() > recording->end_ns()) return "a duration is negative";
   if (const auto of_kaz = recording->check_run("case.mcap"); !of_kaz)
     return judge_error(of_kaz.error(), "case.mcap");
