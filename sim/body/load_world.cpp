@@ -141,7 +141,7 @@ Result<WorldFiles> read_world_files(const std::string& world_path, const std::st
   const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
   files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
   if (options.ideal_motors) files.motor = files.motor.ideal();
-  files.world = KAZ_TRY(load_world(world_path));
+  files.world = KAZ_TRY(load_world(world_path, options.reading));
   return files;
 }
 
