@@ -154,7 +154,8 @@ void add_joint_options(CLI::App& verb, JointCalibrationOptions& options) {
                   "file that keeps the virtual board's calibration, for kaz run and kaz sim")
       ->type_name("FILE");
   add_sim_options(verb, options.backend);
-  for (const char* absent : {"--robot-file", "--eyes", "--eye-width", "--renderer"})
+  for (const char* absent : {"--robot-file", "--mesh-collision", "--skip-missing-meshes",
+                             "--strict", "--verbose", "--eyes", "--eye-width", "--renderer"})
     verb.remove_option(verb.get_option(absent));
   verb.add_option("--robot-file", options.backend.robot_file,
                   "URDF of a robot on a servo bus; the zero positions are written to bus.json in "

@@ -116,6 +116,9 @@ void OptionAdder::operator()(const sim::OptionText& text, double& value,
 void add_sim_options(CLI::App& verb, BackendOptions& options) {
   OptionAdder adder(verb);
   options.visit_world(adder);
+  for (const char* option : {"--mesh-collision", "--skip-missing-meshes"})
+    verb.get_option(option)->needs(verb.get_option("--robot-file"));
+  add_unused_options(verb, options.reading.strict, options.verbose);
   options.visit_mcu(adder);
   options.visit_image(adder);
   verb.add_option("--faults", options.faults,
@@ -126,6 +129,15 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
   options.visit_supply(adder);
   options.visit_eyes(adder);
   options.visit_seed(adder);
+}
+
+void add_unused_options(CLI::App& verb, bool& strict, bool& verbose) {
+  verb.add_flag("--strict", strict,
+                "treat elements and attributes of a robot's or a world's file that Kaz does not "
+                "use as errors");
+  verb.add_flag("--verbose", verbose,
+                "list each element and attribute of these files that Kaz does not use, with its "
+                "line");
 }
 
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text) {

@@ -122,8 +122,10 @@ class OptionAdder {
 
 // The functions below add options to `verb`. The variables for the values must outlive `verb`.
 
-// Adds --faults and the options of BackendOptions::visit(), except --suspended.
+// Adds --faults, --strict, --verbose and the options of BackendOptions::visit(), except --suspended.
 void add_sim_options(CLI::App& verb, BackendOptions& options);
+// Adds --strict and --verbose, for verbs that read a robot or a world.
+void add_unused_options(CLI::App& verb, bool& strict, bool& verbose);
 // Adds --set NAME=VALUE. Users may repeat the option. `text`: description, without an example.
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text);
 // Adds --motor-file, --motor and --disc, the options for the motors on a virtual motor stand.

@@ -204,7 +204,8 @@ void add_campaign_options(CLI::App& verb, Arguments& arguments) {
   add_sim_options(verb, c.backend);
   verb.get_option("--eyes")->description(verb.get_option("--eyes")->get_description() +
                                          " (the default for such behaviors)");
-  for (const char* fixed : {"--world", "--robot-file", "--image", "--faults", "--dynamics",
+  for (const char* fixed : {"--world", "--robot-file", "--mesh-collision", "--skip-missing-meshes",
+                            "--strict", "--verbose", "--image", "--faults", "--dynamics",
                             "--physics-step", "--supply", "--eye-width", "--seed"})
     verb.remove_option(verb.get_option(fixed));
   verb.add_option("BEHAVIOR", c.behavior,

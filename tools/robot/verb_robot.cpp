@@ -20,10 +20,7 @@ void add_check(CLI::App& robot, Action& action) {
   verb->add_flag("--write", options->write,
                  "write bus.json, motor.xml and sensors.xml beside the URDF, as far as they are "
                  "missing");
-  verb->add_flag("--strict", options->reading.strict,
-                 "treat elements and attributes that Kaz does not use as errors");
-  verb->add_flag("--verbose", options->verbose,
-                 "list each element and attribute that Kaz does not use, with its line");
+  add_unused_options(*verb, options->reading.strict, options->verbose);
   verb->add_flag(
       "--joints-only", [options](std::int64_t) { options->reading.body = false; },
       "read only joints and limits, which is enough for a servo bus");

@@ -48,6 +48,7 @@ struct BackendOptions : sim::RobotOptions {
   sim::HandSource* hands = nullptr;  // SimulationOptions::hands
   double restore_every_s = 0;        // for tests: period of Simulation::detour(); 0: never
   bool record_pictures = false;
+  bool verbose = false;  // list each element of the files of robot and world that Kaz does not use
   // Additional names and values for the header of the recording.
   std::vector<std::pair<std::string, std::string>> facts;
 

@@ -1,4 +1,4 @@
-// Joints of a robot other than Kaz, from the file that its user gives.
+// Joints of a robot other than Kaz, and the unused elements of the files that its user gives.
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/run/robot_joints.h"
 
@@ -15,6 +15,17 @@ namespace kaz::tools {
 namespace {
 
 constexpr double kLargestRamp = KZ_RAMP_MAX / 10.0;  // rad/s
+
+void print_notes(const std::string& label, const std::string& file,
+                 const std::vector<sim::FileNote>& notes, bool verbose) {
+  if (!notes.empty() && !verbose)
+    std::fprintf(stderr, "%s: %s: not used: %s; --verbose lists the lines\n", label.c_str(),
+                 file.c_str(), sim::summary(notes).c_str());
+  for (const sim::FileNote& note : notes)
+    if (verbose)
+      std::fprintf(stderr, "%s: %s:%d: %s is not used\n", label.c_str(), file.c_str(), note.line,
+                   note.what.c_str());
+}
 
 }  // namespace
 
@@ -57,21 +68,23 @@ Result<std::vector<double>> parse_speeds(const std::vector<std::string>& texts) 
   return speeds;
 }
 
-void print_unused(const std::string& label, const std::string& robot_file) {
-  if (robot_file.empty()) return;
-  const auto robot = sim::load_robot(robot_file, {.body = false});
-  if (!robot || robot->notes.empty()) return;
-  std::fprintf(stderr, "%s: %s: not used: %s; `kaz robot check` lists the lines\n", label.c_str(),
-               robot_file.c_str(), sim::summary(robot->notes).c_str());
+ReadFiles files_of(const BackendOptions& options) {
+  return {options.robot_file, options.at_port() ? "" : options.world, options.reading,
+          options.verbose};
 }
 
-void print_unused_of_world(const std::string& label, const std::string& world) {
-  const auto path = world_file(world);
-  if (!path) return;
-  const auto loaded = sim::load_world(*path, {.skip_missing_meshes = true});
-  if (!loaded || loaded->notes.empty()) return;
-  std::fprintf(stderr, "%s: %s: not used: %s\n", label.c_str(), path->c_str(),
-               sim::summary(loaded->notes).c_str());
+void print_unused(const std::string& label, const ReadFiles& files) {
+  if (files.reading.strict) return;
+  sim::ReadOptions reading = files.reading;
+  reading.body = files.verbose;
+  if (!files.robot_file.empty()) {
+    if (const auto robot = sim::load_robot(files.robot_file, reading))
+      print_notes(label, files.robot_file, robot->notes, files.verbose);
+  }
+  if (const auto world = world_file(files.world); world && *world == files.world) {
+    if (const auto loaded = sim::load_world(*world, reading))
+      print_notes(label, *world, loaded->notes, files.verbose);
+  }
 }
 
 }  // namespace kaz::tools

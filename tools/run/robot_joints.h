@@ -1,4 +1,4 @@
-// Joints of a robot other than Kaz, from its URDF file.
+// Joints of a robot other than Kaz, and unused elements of files of robot and world.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/base/result.hpp"
+#include "tools/run/backend_options.h"
 
 namespace kaz::tools {
 
@@ -20,12 +21,18 @@ Result<std::vector<std::string>> joint_speeds(const std::string& robot_file);
 // Parses such a list. Fails (usage) if a text is not a number above 0.
 Result<std::vector<double>> parse_speeds(const std::vector<std::string>& texts);
 
-// Prints one line to standard error if robot and joints in `robot_file` have elements that Kaz does not use.
-// Elements of links are left out. `label`: prefix of the line. Ignores an empty path and an invalid file.
-void print_unused(const std::string& label, const std::string& robot_file);
+// Files whose unused elements print_unused() reports.
+struct ReadFiles {
+  std::string robot_file;  // URDF; empty: Kaz
+  std::string world;       // SDF file; a name of one of Kaz's worlds, or empty: not reported
+  sim::ReadOptions reading;
+  bool verbose = false;
+};
+ReadFiles files_of(const BackendOptions& options);
 
-// Prints the same line about a world file. `world`: path, or a name as in world_file(). Ignores an invalid
-// file.
-void print_unused_of_world(const std::string& label, const std::string& world);
+// Prints the elements that Kaz does not use to standard error. Each line begins with `label`. Without
+// `verbose`, prints one line for each file, and leaves out elements of the robot's links. Prints nothing for
+// an invalid file or with ReadOptions::strict, because loading the file then fails.
+void print_unused(const std::string& label, const ReadFiles& files);
 
 }  // namespace kaz::tools

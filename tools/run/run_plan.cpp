@@ -63,9 +63,7 @@ Result<RunPlan> RunPlan::make(RunOptions options) {
   BackendOptions& backend = options.backend;
   if (!options.open_backend) {
     backend.joints = KAZ_TRY(other_joints(backend.robot_file));
-    if (!options.quiet) print_unused(options.label, backend.robot_file);
-    if (!options.quiet && !backend.at_port() && !backend.stand)
-      print_unused_of_world(options.label, backend.world);
+    if (!options.quiet) print_unused(options.label, files_of(backend));
   }
   backend.needs_camera = plan.behavior_.needs_camera;
   KAZ_TRY(check(backend));

@@ -44,9 +44,9 @@ std::string default_worlds() {
 
 // Options of the virtual robot, which have no effect on one at a port.
 constexpr const char* kVirtualOnly[] = {
-    "--world",     "--mcu",      "--image",           "--sensors",       "--imu",
-    "--no-imu",    "--dynamics", "--physics-step",    "--supply",        "--eyes",
-    "--eye-width", "--renderer", "--record-pictures", "--restore-every", "--memory"};
+    "--world",           "--mcu",           "--image",  "--sensors", "--imu",       "--no-imu",
+    "--dynamics",        "--physics-step",  "--supply", "--eyes",    "--eye-width", "--renderer",
+    "--record-pictures", "--restore-every", "--memory", "--strict"};
 
 // Errors: nothing is drawn at a port. Behaviors that look choose the side on which they begin by the seed,
 // and so may plug-ins; faults of the line have chances.

@@ -55,8 +55,7 @@ Result<void> check_place(const std::string& option, const std::string& path) {
 }
 
 Result<bool> serve(ServeOptions arguments) {
-  print_unused("kaz sim", arguments.backend.robot_file);
-  if (!arguments.backend.stand) print_unused_of_world("kaz sim", arguments.backend.world);
+  if (!arguments.backend.stand) print_unused("kaz sim", files_of(arguments.backend));
   if ((arguments.backend.erased || arguments.boot) && arguments.backend.mcu != sim::McuKind::h8)
     return fail(Fault::usage,
                 "--erased and --boot are only valid with --mcu h8: native has no flash");

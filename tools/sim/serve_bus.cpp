@@ -27,11 +27,10 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
                                   options.robot_file + " has servos of the protocol " +
                                   std::string(servo_bus::name_of(file.protocol)) +
                                   "; give that protocol, or another robot file");
-  print_unused("kaz sim", options.robot_file);
-  print_unused_of_world("kaz sim", options.world);
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
   const auto world = KAZ_TRY(world_file(options.world));
+  print_unused("kaz sim", {options.robot_file, options.world, options.reading, options.verbose});
   sim::WorldOptions world_options;
   world_options.dynamics = options.dynamics;
   world_options.hung = options.suspended;

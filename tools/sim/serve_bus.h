@@ -17,7 +17,8 @@ struct ServeBusOptions {
   std::string world = "empty";
   std::string dynamics = "reduced";
   bool suspended = false;              // the robot is held at the trunk
-  sim::ReadOptions reading = {};       // how the robot's file is read
+  sim::ReadOptions reading = {};       // how the files of robot and world are read
+  bool verbose = false;                // list each element of these files that Kaz does not use
   std::optional<double> supply_volts;  // supply voltage; empty: the voltage in bus.json
 };
 

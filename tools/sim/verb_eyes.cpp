@@ -6,6 +6,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/drawing/figure.h"
+#include "tools/run/robot_joints.h"
 #include "tools/sim/draw_eyes.h"
 
 namespace kaz::tools {
@@ -29,7 +30,12 @@ void add_eyes(CLI::App& program, Action& action) {
       "Examples:\n"
       "  kaz eyes\n"
       "  kaz eyes --world ball --eye-width 640 --out big");
-  verb->callback([&action, arguments] { action = [arguments] { return draw_eyes(*arguments); }; });
+  verb->callback([&action, arguments] {
+    action = [arguments] {
+      print_unused("kaz eyes", files_of(arguments->backend));
+      return draw_eyes(*arguments);
+    };
+  });
 }
 
 }  // namespace kaz::tools

@@ -22,6 +22,8 @@ std::string not_of_a_stand(const CLI::App& verb) {
       {"--robot-file", "robot"},
       {"--mesh-collision", "robot"},
       {"--skip-missing-meshes", "robot"},
+      {"--strict", "robot"},
+      {"--verbose", "robot"},
       {"--imu", "IMU"},
       {"--no-imu", "IMU"},
       {"--dynamics", "robot"},
@@ -73,7 +75,8 @@ std::string not_of_a_bus(const CLI::App& verb) {
   static const std::set<std::string> kTaken = {
       "--bus",       "--serial",         "--robot-file",
       "--world",     "--dynamics",       "--supply",
-      "--suspended", "--mesh-collision", "--skip-missing-meshes"};
+      "--suspended", "--mesh-collision", "--skip-missing-meshes",
+      "--strict",    "--verbose"};
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
@@ -92,6 +95,7 @@ ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments,
   options.robot_file = arguments.backend.robot_file;
   options.dynamics = arguments.backend.dynamics;
   options.reading = arguments.backend.reading;
+  options.verbose = arguments.backend.verbose;
   if (verb.get_option("--world")->count() > 0) options.world = arguments.backend.world;
   if (verb.get_option("--supply")->count() > 0)
     options.supply_volts = arguments.backend.supply_volts;

@@ -478,6 +478,8 @@ TEST(Cli, WrongValuesAreRefusedWithTheValidOnes) {
                                      {"--cameras=eyes", "eyes"},
                                      {"--dynamics=exact", "robot"},
                                      {"--robot-file=x.urdf", "robot"},
+                                     {"--strict", "robot"},
+                                     {"--verbose", "robot"},
                                      {"--physics-step=0.5", "robot"},
                                      {"--no-imu", "IMU"},
                                      {"--imu", "IMU"}})

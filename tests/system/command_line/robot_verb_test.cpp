@@ -107,6 +107,37 @@ TEST(RobotVerb, ARunKeepsTheSpeedLimitOfTheFile) {
   EXPECT_EQ(slow.exit_code, 0) << slow.out << slow.err;
 }
 
+TEST(RobotVerb, OtherVerbsListOrRejectWhatKazDoesNotUse) {
+  const TemporaryFolder folder;
+  const std::string lamp = folder / "lamp.urdf";
+  write_file(lamp, kArm);
+  ASSERT_EQ(run(kaz({"robot", "check", lamp, "--write"})).exit_code, 0);
+  const auto stand = [&](const std::string& option) {
+    return run(kaz({"run", "stand", "--robot-file", lamp, "--mcu", "native", "--eyes", "none",
+                    "--out", folder / "out", option}));
+  };
+  const Finished verbose = stand("--verbose");
+  EXPECT_EQ(verbose.exit_code, 0) << verbose.err;
+  EXPECT_NE(verbose.err.find("lamp.urdf:5: <transmission> is not used"), std::string::npos)
+      << verbose.err;
+  const Finished strict = stand("--strict");
+  EXPECT_EQ(strict.exit_code, 2) << strict.err;
+  EXPECT_NE(strict.err.find("lamp.urdf:5: <transmission> is not used, which --strict does not"),
+            std::string::npos)
+      << strict.err;
+  const Finished bus = run(kaz(
+      {"sim", "--bus", "feetech", "--robot-file", lamp, "--serial", folder / "port", "--strict"}));
+  EXPECT_EQ(bus.exit_code, 2) << bus.err;
+}
+
+TEST(RobotVerb, OptionsOfMeshesNeedARobotFile) {
+  for (const char* option : {"--mesh-collision=box", "--skip-missing-meshes"}) {
+    const Finished alone = run(kaz({"run", "stand", option}));
+    EXPECT_EQ(alone.exit_code, 2) << option;
+    EXPECT_NE(alone.err.find("requires --robot-file"), std::string::npos) << alone.err;
+  }
+}
+
 TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
   const TemporaryFolder folder;
   write_file(folder / "lamp.urdf", kArm);
