@@ -48,8 +48,6 @@ constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest
 // Maximum depth: the tree is traversed recursively.
 constexpr std::size_t kMaxLinks = 500;
 constexpr std::size_t kMaxNotes = 10000;
-// A robot with this many of Kaz's 18 joint names is a Kaz, and must have all of them.
-constexpr std::ptrdiff_t kNamesOfKaz = 15;
 
 std::string format(double value) {
   char text[32];
@@ -408,31 +406,17 @@ class Check {
                        "` closes a loop; links must form a tree");
   }
 
-  // A Kaz must have all joints of the board's table, and no others.
   void check_names() {
-    std::vector<std::string> turning;
+    std::vector<const Element*> turning;
+    std::vector<std::string> names;
     for (const Element* joint : urdf_.joints) {
-      if (urdf_.turns(*joint)) turning.emplace_back(joint->Attribute("name"));
+      if (!urdf_.turns(*joint)) continue;
+      turning.push_back(joint);
+      names.emplace_back(joint->Attribute("name"));
     }
-    if (turning.empty())
-      return object(root(), "robot has no revolute joint; a robot needs at least one");
-    const auto& table = joint_names();
-    const auto shared = std::ranges::count_if(
-        table, [&](const std::string& name) { return std::ranges::count(turning, name) > 0; });
-    if (shared < kNamesOfKaz) return;
-    for (const std::string& name : table) {
-      if (std::ranges::count(turning, name) == 0)
-        object(root(), "robot has no joint `" + name + "`, but " + std::to_string(shared) +
-                           " other joints of Kaz; a Kaz has all joints of shared/board/joints.def: "
-                           "add the missing joint, or rename the others if the robot is not a Kaz");
-    }
-    for (const Element* joint : urdf_.joints) {
-      const std::string name = joint->Attribute("name");
-      if (urdf_.turns(*joint) && std::ranges::count(table, name) == 0)
-        object(*joint, "joint `" + name +
-                           "` is not a joint of the servo board (shared/board/joints.def): correct "
-                           "the joint's name, or make the joint fixed");
-    }
+    for (const JointNameError& error : joint_name_errors(names))
+      object(error.joint < 0 ? root() : *turning[static_cast<std::size_t>(error.joint)],
+             error.text);
   }
 
   Urdf& urdf_;
@@ -459,8 +443,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
   return tensor;
 }
 
-Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options) {
-  auto file = KAZ_TRY(XmlFile::load(path, "robot"));
+Result<Urdf> check_urdf(XmlFile file, const ReadOptions& options) {
   Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;
