@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/mesh_collision.h"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <tuple>
@@ -28,6 +29,11 @@ std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d
     const Eigen::Vector3d center = enclosing_box(points).at.translation();
     std::vector<Eigen::Vector3d> centered(points.begin(), points.end());
     for (Eigen::Vector3d& point : centered) point -= center;
+    // Each corner belongs to about six triangles.
+    std::ranges::sort(centered, [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+      return std::ranges::lexicographical_compare(a, b);
+    });
+    centered.erase(std::ranges::unique(centered).begin(), centered.end());
     shape.hull = convex_hull(centered);
     shape.kind = Shape::Kind::hull;
     if (shape.hull) return {shape, Eigen::Isometry3d(Eigen::Translation3d(center))};
