@@ -1,5 +1,6 @@
 // Our MJCF reader against libmujoco: mass, center of mass, joints, limits, poses of bodies and sites.
 // SPDX-License-Identifier: Apache-2.0
+// The URDF that we write is compared with urdfdom and our own reader.
 //
 // KAZ_ROBOT_FILES=FOLDER: in addition, all MJCF files below this folder that Kaz accepts.
 #include <cmath>
@@ -11,10 +12,11 @@
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
+#include <urdf_parser/urdf_parser.h>
 
 #include "sim/body/description/files_testing.h"
-#include "sim/body/description/mesh_file.h"
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/urdf_writer.h"
 
 namespace kaz::sim {
 namespace {
@@ -259,6 +261,89 @@ TEST_P(JudgedMjcf, AgreesWithLibmujoco) {
     if (number == 0) compare_joints(*robot, *model, *data);
     compare_poses(*robot, *model, *data, angles);
   }
+}
+
+// Links and frames of one name in both models, at the posture of the angles.
+void compare_frames(const RobotModel& one, const RobotModel& other,
+                    const std::vector<double>& angles) {
+  const auto poses = link_poses(one, angles), others = link_poses(other, angles);
+  for (const auto& [name, frame] : one.frames) {
+    const RobotFrame& twin = other.frames.at(name);
+    const Eigen::Isometry3d a = poses[static_cast<std::size_t>(frame.link)] * frame.in_link,
+                            b = others[static_cast<std::size_t>(twin.link)] * twin.in_link;
+    EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), kExact) << name;
+  }
+}
+
+void compare_links(const RigidLink& link, const RigidLink& twin) {
+  EXPECT_NEAR(link.mass, twin.mass, kExact) << link.name;
+  EXPECT_LT((link.com - twin.com).norm(), kExact) << link.name;
+  EXPECT_LT((link.inertia - twin.inertia).norm(), kExact) << link.name;
+  ASSERT_EQ(link.visuals.size(), twin.visuals.size()) << link.name;
+  for (std::size_t i = 0; i < link.visuals.size(); ++i) {
+    const Visual &a = link.visuals[i], &b = twin.visuals[i];
+    EXPECT_EQ(a.shape.mesh_path, b.shape.mesh_path) << a.name;
+    EXPECT_EQ(a.shape.size, b.shape.size) << a.name;
+    EXPECT_EQ(a.color.g, b.color.g) << a.name;
+    EXPECT_LT((a.in_frame.matrix() - b.in_frame.matrix()).norm(), kExact) << a.name;
+  }
+  ASSERT_EQ(link.collisions.size(), twin.collisions.size()) << link.name;
+  // Shapes with another friction come last.
+  double sum = 0;
+  for (const CollisionShape& a : link.collisions) {
+    double nearest = HUGE_VAL;
+    for (const CollisionShape& b : twin.collisions)
+      if (a.shape.kind == b.shape.kind && a.surface.mu == b.surface.mu &&
+          a.shape.size == b.shape.size)
+        nearest = std::min(nearest, (a.in_link.matrix() - b.in_link.matrix()).norm());
+    sum += nearest;
+  }
+  EXPECT_LT(sum, kExact) << link.name;
+}
+
+TEST_P(JudgedMjcf, IsTheSameRobotAsUrdf) {
+  const std::string file = path();
+  const auto robot = load_robot(file, {.skip_missing_meshes = true});
+  if (!robot) GTEST_SKIP() << robot.error().message;
+  const std::string folder = fs::canonical(file).parent_path().string();
+  const std::string urdf = urdf_of(*robot, folder);
+  const auto judge = urdf::parseURDF(urdf);
+  ASSERT_TRUE(judge) << urdf;
+  EXPECT_EQ(judge->getRoot()->name, robot->links[0].rigid.name);
+  for (const RobotJoint& joint : robot->joints) {
+    const auto other = judge->getJoint(joint.name);
+    ASSERT_TRUE(other) << joint.name;
+    EXPECT_EQ(other->mimic != nullptr, joint.follows.has_value());
+    if (joint.follows) {
+      EXPECT_NEAR(other->mimic->multiplier, joint.follows->ratio, kExact);
+      EXPECT_NEAR(other->mimic->offset, joint.follows->offset, kExact);
+    }
+  }
+  setenv("KAZ_MESH_PATH", folder.c_str(), 1);
+  const auto read = load_robot(folder_.write(
+      "robot.urdf",
+      std::regex_replace(std::regex_replace(urdf, std::regex("<mimic[^>]*>"), ""),
+                         std::regex("filename=\"(?!/)"), "filename=\"" + folder + "/")));
+  unsetenv("KAZ_MESH_PATH");
+  ASSERT_TRUE(read) << full_text(read.error());
+  EXPECT_EQ(read->fixed_base, robot->fixed_base);
+  ASSERT_EQ(read->joints.size(), robot->joints.size());
+  for (std::size_t i = 0; i < read->joints.size(); ++i) {
+    const RobotJoint &a = robot->joints[i], &b = read->joints[i];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.lower, b.lower);
+    EXPECT_EQ(a.upper, b.upper);
+    EXPECT_EQ(a.effort, b.effort);
+    EXPECT_EQ(a.damping, b.damping);
+    EXPECT_EQ(a.friction, b.friction);
+    EXPECT_LT((a.axis - b.axis).norm(), kExact) << a.name;
+  }
+  for (int number = 0; number < 3; ++number)
+    compare_frames(*robot, *read, angles_of(*robot, number));
+  for (const RobotLink& link : robot->links)
+    compare_links(
+        link.rigid,
+        read->links[static_cast<std::size_t>(read->frames.at(link.rigid.name).link)].rigid);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, JudgedMjcf, testing::ValuesIn(mjcf_files()), [](const auto& test) {
