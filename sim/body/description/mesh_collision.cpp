@@ -30,10 +30,10 @@ std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d
     std::vector<Eigen::Vector3d> centered(points.begin(), points.end());
     for (Eigen::Vector3d& point : centered) point -= center;
     // Each corner belongs to about six triangles.
-    std::ranges::sort(centered, [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-      return std::ranges::lexicographical_compare(a, b);
+    std::sort(centered.begin(), centered.end(), [](const auto& a, const auto& b) {
+      return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
     });
-    centered.erase(std::ranges::unique(centered).begin(), centered.end());
+    centered.erase(std::unique(centered.begin(), centered.end()), centered.end());
     shape.hull = convex_hull(centered);
     shape.kind = Shape::Kind::hull;
     if (shape.hull) return {shape, Eigen::Isometry3d(Eigen::Translation3d(center))};

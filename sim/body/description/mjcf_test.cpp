@@ -308,6 +308,19 @@ TEST_F(MjcfFile, OtherRootElementsAreRefused) {
               "<mujoco> (MJCF)");
 }
 
+TEST(MjcfElements, AreListedOnThePageOfTheRobot) {
+  const std::string page = test::read_text("docs/reference/robot.md");
+  const auto table = page.find("| MJCF |");
+  ASSERT_NE(table, std::string::npos);
+  for (const MjcfElement& element : kMjcfElements) {
+    if (element.use == Use::used || element.parent == "default") continue;
+    const auto at = page.find(element.use == Use::noted ? "| not used |" : "| refused |", table);
+    ASSERT_NE(at, std::string::npos);
+    const std::string row = page.substr(at, page.find('\n', at) - at);
+    EXPECT_NE(row.find("`" + std::string(element.name) + "`"), std::string::npos) << element.name;
+  }
+}
+
 // One element of libmujoco's schema: the names of its attributes and the elements in it.
 struct SchemaLine {
   int depth = 0;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
+#include <tuple>
 
 namespace kaz::sim {
 namespace {
@@ -25,8 +25,8 @@ void Objections::add(const std::string& path, int line, const std::string& text)
 Result<void> Objections::result() const {
   if (found_.empty()) return {};
   std::vector<Objection> sorted = found_;
-  std::ranges::stable_sort(sorted, {}, [](const Objection& one) {
-    return std::pair<const std::string&, int>(one.path, one.line);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Objection& a, const Objection& b) {
+    return std::tie(a.path, a.line) < std::tie(b.path, b.line);
   });
   const auto sentence = [this](const Objection& one) {
     return (one.path.empty() ? path_ : one.path) + ":" + std::to_string(one.line) + ": " + one.text;
