@@ -43,12 +43,12 @@ HARMLESS_HEADERS = """
   sys/resource.h sys/socket.h sys/stat.h sys/syscall.h sys/sysmacros.h sys/time.h sys/types.h sys/un.h
   sys/utsname.h sys/wait.h system_error termios.h thread time.h tl/expected.hpp tuple type_traits typeinfo
   unistd.h unordered_map unordered_set utility variant vector version xxhash.h CLI/* EGL/* Eigen/* GL/*
-  asmjit/* libqhull_r/* ompl/* opencv2/calib3d.hpp opencv2/core.hpp opencv2/core/eigen.hpp
+  asmjit/* libqhull_r/* mujoco/mjmodel.h ompl/* opencv2/calib3d.hpp opencv2/core.hpp opencv2/core/eigen.hpp
   opencv2/core/utility.hpp opencv2/imgproc.hpp opencv2/video/tracking.hpp pcl/features/*
   pcl/point_types.h pcl/segmentation/* kaz_interface.h kz_*.h board_params.h tools/base/version.h""".split()
 READING_HEADERS = """
-  arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* lz4frame.h netdb.h png.h pybind11/*
-  regex sdf/* sys/mman.h tinyxml2.h zlib.h zstd.h""".split()
+  arpa/inet.h boost/* curses.h dirent.h glob.h jerror.h jpeglib.h linux/* lz4frame.h mujoco/mujoco.h netdb.h
+  png.h pybind11/* regex sdf/* sys/mman.h tinyxml2.h zlib.h zstd.h""".split()
 READING = re.compile(
     r"(?<![Tt]h)[Rr]ead(?!y)|[Rr]e?cv|[Rr]eceiv|[Pp]ars|[Ss]can|[Ll]oad|[Dd]ecode|unpack|[Ii]mport|[Ii]nput"
     r"|getline|getdelim|getw?char|getw?cs?$|gets(?:_unlocked)?$|^getch$|^from_|^strto|^wcsto|^sto[ilfdu]"

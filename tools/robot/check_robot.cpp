@@ -12,6 +12,7 @@
 #include "shared/board/board.h"
 #include "shared/picture/png.h"
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/urdf_writer.h"
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
@@ -93,7 +94,8 @@ void print(const sim::RobotModel& robot, const CheckRobotOptions& options) {
     print_lines("not used: %s; --verbose lists the lines\n", sim::summary(robot.notes).c_str());
   for (const sim::FileNote& note : robot.notes)
     if (options.verbose)
-      print_lines("%s:%d: %s is not used\n", options.file.c_str(), note.line, note.what.c_str());
+      print_lines("%s:%d: %s is not used\n", (note.path.empty() ? options.file : note.path).c_str(),
+                  note.line, note.what.c_str());
   for (const Need& need : needs_of(robot, options.file))
     print_lines("%s: %s\n", need.use,
                 need.missing.empty() ? "ready" : ("missing " + need.missing).c_str());
@@ -115,18 +117,29 @@ Json json_of(const sim::RobotModel& robot, const CheckRobotOptions& options) {
                      {"mass_kg", link.rigid.mass},
                      {"collisions", link.rigid.collisions.size()}});
   for (const sim::FileNote& note : robot.notes)
-    notes.push_back({{"line", note.line}, {"what", note.what}});
+    notes.push_back({{"file", note.path.empty() ? options.file : note.path},
+                     {"line", note.line},
+                     {"what", note.what}});
   for (const Need& need : needs_of(robot, options.file)) needs[need.use] = need.missing;
   return {{"robot", robot.name}, {"mass_kg", robot.mass()},        {"fixed_base", robot.fixed_base},
           {"joints", joints},    {"moving_links", links},          {"not_used", notes},
           {"missing", needs},    {"provenance", provenance_json()}};
 }
 
+// Paths of meshes are relative to the folder of the written file.
+Result<void> write_urdf(const sim::RobotModel& robot, OutputFile& file) {
+  std::error_code error;
+  const auto folder =
+      std::filesystem::canonical(std::filesystem::absolute(file.path()).parent_path(), error);
+  return file.write(sim::urdf_of(robot, folder.string()));
+}
+
 }  // namespace
 
 Result<void> check_robot(const CheckRobotOptions& options) {
   const auto robot = KAZ_TRY(sim::load_robot(options.file, options.reading));
-  std::optional<OutputFile> drawn;
+  std::optional<OutputFile> drawn, urdf;
+  if (!options.urdf.empty()) urdf = KAZ_TRY(OutputFile::open(options.urdf, "--urdf"));
   if (!options.picture.empty()) drawn = KAZ_TRY(OutputFile::open(options.picture, "--picture"));
   std::vector<std::string> written;
   if (options.write) written = KAZ_TRY(write_starter_files(robot, options.file));
@@ -136,6 +149,8 @@ Result<void> check_robot(const CheckRobotOptions& options) {
     print(robot, options);
   for (const std::string& name : written)
     if (!options.json) print_lines("wrote %s; correct its values for your robot\n", name.c_str());
+  if (urdf) KAZ_TRY(write_urdf(robot, *urdf));
+  if (urdf && !options.json) print_lines("URDF: %s\n", options.urdf.c_str());
   if (!drawn) return {};
   const auto image = KAZ_TRY(robot_picture(robot, kPictureWidth));
   const auto png = KAZ_TRY(

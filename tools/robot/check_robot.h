@@ -12,6 +12,7 @@ namespace kaz::tools {
 struct CheckRobotOptions {
   std::string file;
   std::string picture;  // PNG; empty: none
+  std::string urdf;     // the robot as a URDF; empty: none
   sim::ReadOptions reading;
   bool write = false;    // write missing files (starter_files.h)
   bool verbose = false;  // list each note with its line

@@ -11,14 +11,16 @@ namespace kaz::tools {
 namespace {
 
 void add_check(CLI::App& robot, Action& action) {
-  auto* verb = robot.add_subcommand("check", "read a URDF, and print what Kaz uses of it");
+  auto* verb = robot.add_subcommand("check", "read a URDF or MJCF, and print what Kaz uses of it");
   auto options = std::make_shared<CheckRobotOptions>();
   auto meshes = std::make_shared<sim::RobotOptions>();
-  verb->add_option("FILE", options->file, "URDF of the robot")->required()->type_name("");
+  verb->add_option("FILE", options->file, "URDF or MJCF of the robot")->required()->type_name("");
   verb->add_option("--picture", options->picture, "draw the robot at its zero posture, as a PNG")
       ->type_name("FILE");
+  verb->add_option("--urdf", options->urdf, "write the robot as a URDF, for other programs")
+      ->type_name("FILE");
   verb->add_flag("--write", options->write,
-                 "write bus.json, motor.xml and sensors.xml beside the URDF, as far as they are "
+                 "write bus.json, motor.xml and sensors.xml beside FILE, as far as they are "
                  "missing");
   add_unused_options(*verb, options->reading.strict, options->verbose);
   verb->add_flag(
@@ -32,6 +34,7 @@ void add_check(CLI::App& robot, Action& action) {
       "Examples:\n"
       "  kaz robot check so101.urdf\n"
       "  kaz robot check so101.urdf --picture so101.png --write\n"
+      "  kaz robot check so101.xml --urdf so101.urdf\n"
       "  KAZ_MESH_PATH=~/my_robot_description kaz robot check robot.urdf --skip-missing-meshes");
   verb->callback([&action, options, meshes] {
     action = [options, meshes]() -> Result<ExitStatus> {

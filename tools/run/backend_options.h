@@ -59,7 +59,7 @@ struct BackendOptions : sim::RobotOptions {
   void visit_world(A&& archive) {
     archive({"world", "--world", "name of a Kaz world, or an SDF file", "NAME|FILE"}, world);
     archive({"robot_file", "--robot-file",
-             "URDF of another robot; motor.xml and sensors.xml must be in the same "
+             "URDF or MJCF of another robot; motor.xml and sensors.xml must be in the same "
              "folder (default: Kaz)",
              "FILE"},
             robot_file);

@@ -6,11 +6,11 @@
 #include <bit>
 #include <utility>
 
-#include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
 #include "shared/protocol/message_info.h"
 #include "shared/protocol/messages.h"
 #include "sim/board/servo_board.h"
+#include "sim/body/description/urdf_writer.h"
 #include "sim/runtime/formats/ros_messages.h"
 
 namespace kaz::viewer {
@@ -45,9 +45,10 @@ constexpr std::string_view kWire = "/wire/";
 Result<Feed> Feed::create(Server& server, const std::string& robot_path,
                           const FeedOptions& options) {
   auto model = KAZ_TRY(sim::load_robot(robot_path, {.skip_missing_meshes = true}));
+  std::string urdf;
+  if (!options.recorded_robot) urdf = KAZ_TRY(sim::robot_urdf(robot_path, &model));
   Feed feed(server, std::move(model), options);
   if (options.recorded_robot) return feed;
-  const std::string urdf = KAZ_TRY(read_whole_file(robot_path, 16 << 20));
   LittleEndian(feed.data_).text(urdf);
   server.publish(feed.channels_.description, 0, feed.data_, {.kept = true});
   return feed;

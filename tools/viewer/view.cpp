@@ -15,6 +15,7 @@
 #include "shared/base/files.hpp"
 #include "shared/base/number_text.hpp"
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/urdf_writer.h"
 #include "tools/viewer/textures.h"
 
 namespace kaz::viewer {
@@ -58,14 +59,15 @@ Result<std::map<std::string, ServedFile>> page_files(const fs::path& folder) {
   return files;
 }
 
-// The robot's file and those of its meshes that are in its folder. Nothing else of that folder is served.
-Result<std::map<std::string, ServedFile>> robot_files(const fs::path& urdf,
+// The robot as URDF, and those of its meshes that are in its folder. Nothing else of that folder is served.
+Result<std::map<std::string, ServedFile>> robot_files(const fs::path& robot,
                                                       const sim::RobotModel& model) {
   std::map<std::string, ServedFile> files;
-  files["/robot.urdf"] = files["/robot/" + urdf.filename().generic_string()] =
-      KAZ_TRY(served(urdf));
+  const std::string urdf = KAZ_TRY(sim::robot_urdf(robot.string(), &model));
+  files["/robot.urdf"] = files["/robot/" + robot.filename().generic_string()] =
+      ServedFile{"application/xml", Bytes(urdf.begin(), urdf.end())};
   std::error_code error;
-  const fs::path folder = fs::canonical(fs::absolute(urdf).parent_path(), error);
+  const fs::path folder = fs::canonical(fs::absolute(robot).parent_path(), error);
   for (const sim::RobotLink& link : model.links) {
     for (const sim::Visual& visual : link.rigid.visuals) {
       if (visual.shape.kind != sim::Shape::Kind::mesh) continue;

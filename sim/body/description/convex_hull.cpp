@@ -90,8 +90,13 @@ std::vector<Eigen::Vector3d> extreme(const ConvexHull& hull) {
   for (int i = 0; i < kDirections; ++i) {
     const Eigen::Vector3d along = direction(i);
     std::size_t best = 0;
+    double farthest = hull.point(0).dot(along);
     for (std::size_t k = 1; k < hull.size(); ++k) {
-      if (hull.point(k).dot(along) > hull.point(best).dot(along)) best = k;
+      const double distance = hull.point(k).dot(along);
+      if (distance > farthest) {
+        best = k;
+        farthest = distance;
+      }
     }
     chosen[best] = true;
   }

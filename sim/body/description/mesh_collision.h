@@ -1,20 +1,18 @@
-// Convex shape in place of a mesh in a collision.
+// Convex collision shape in place of a mesh.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-#include <utility>
+#include <string>
 
-#include <Eigen/Geometry>
-
+#include "shared/base/result.hpp"
 #include "sim/body/description/reading.h"
-#include "sim/body/description/scene.h"
+#include "sim/body/description/rigid_link.h"
 
 namespace kaz::sim {
 
-// Returns the convex shape that encloses `points` (m), and its pose in the frame of the points. A flat hull
-// becomes a box.
-std::pair<Shape, Eigen::Isometry3d> shape_around(std::span<const Eigen::Vector3d> points,
-                                                 MeshCollision wanted);
+// Reads a mesh file and returns the shape that replaces it, in the frame of the mesh. `scale`: factor for
+// each axis. A mesh in a plane gets a box instead of a hull. Errors: as read_mesh().
+Result<CollisionShape> mesh_collision(const std::string& path, const Eigen::Vector3d& scale,
+                                      MeshCollision wanted);
 
 }  // namespace kaz::sim

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <tuple>
 
 namespace kaz::sim {
 namespace {
@@ -12,21 +13,23 @@ constexpr std::size_t kMaxDetails = 50, kMaxKept = 1000;
 
 }  // namespace
 
-void Objections::add(int line, const std::string& text) {
+void Objections::add(const std::string& path, int line, const std::string& text) {
   if (found_.size() >= kMaxKept) return;
   std::string shown = text;
   for (char& c : shown) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  found_.push_back({line, std::move(shown)});
+  found_.push_back({path == path_ ? std::string() : path, line, std::move(shown)});
 }
 
 Result<void> Objections::result() const {
   if (found_.empty()) return {};
   std::vector<Objection> sorted = found_;
-  std::ranges::stable_sort(sorted, {}, &Objection::line);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Objection& a, const Objection& b) {
+    return std::tie(a.path, a.line) < std::tie(b.path, b.line);
+  });
   const auto sentence = [this](const Objection& one) {
-    return path_ + ":" + std::to_string(one.line) + ": " + one.text;
+    return (one.path.empty() ? path_ : one.path) + ":" + std::to_string(one.line) + ": " + one.text;
   };
   Error error{Fault::usage, sentence(sorted.front())};
   for (std::size_t i = 1; i < std::min(sorted.size(), kMaxDetails + 1); ++i)

@@ -35,6 +35,7 @@ struct FileNote {
   int line = 0;
   std::string what;  // "<transmission>", "attribute `acceleration` of <limit>"
   bool by_default = false;
+  std::string path = {};  // file that contains it, if it is an included file
 };
 
 // Collision shape that replaces a mesh. Each of them encloses all vertices of the mesh.
@@ -61,14 +62,17 @@ class Objections {
  public:
   explicit Objections(std::string path) : path_(std::move(path)) {}
   // `text` may quote the file: control characters are replaced by spaces. Only the first 1,000 are kept.
-  void add(int line, const std::string& text);
+  void add(int line, const std::string& text) { add({}, line, text); }
+  // For a line of an included file. An empty `path` means the file itself.
+  void add(const std::string& path, int line, const std::string& text);
   bool empty() const { return found_.empty(); }
-  // Returns an error if there are objections: the first in order of lines is the message, the others are
-  // its details. Details end after 50.
+  // Returns an error if there are objections: the first in order of files and lines is the message, the
+  // others are its details. Details end after 50.
   Result<void> result() const;
 
  private:
   struct Objection {
+    std::string path;  // empty: the file itself
     int line = 0;
     std::string text;
   };

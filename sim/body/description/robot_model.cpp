@@ -9,19 +9,13 @@
 
 #include "sim/body/description/mesh_check.h"
 #include "sim/body/description/mesh_collision.h"
-#include "sim/body/description/mesh_file.h"
+#include "sim/body/description/mjcf_model.h"
 #include "sim/body/description/urdf_check.h"
 
 namespace kaz::sim {
 namespace {
 
 using Element = tinyxml2::XMLElement;
-
-// Default softness, with which the gait was repeatable (static sinkage of 0.25 mm). Default friction: above
-// that of any floor, so that the floor's counts (the smaller mu of a pair).
-constexpr Surface kRobotSurface{.mu = 1.0, .softness = 5e-3};
-// A lighter link is a frame: exporters write such masses for links without a body.
-constexpr double kLightest = 1e-9;  // kg
 
 Eigen::Vector3d vector_of(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
@@ -189,7 +183,7 @@ class Reader {
     const Element* mass = inertial.FirstChildElement("mass");
     const Element* inertia = inertial.FirstChildElement("inertia");
     const double value = mass == nullptr ? 0 : number_of(*mass, "value", 0);
-    if (value < kLightest) return;
+    if (value < kLightestLink) return;
     const Eigen::Isometry3d origin = pose_of(inertial);
     rigid.mass = value;
     rigid.com = origin.translation();
@@ -227,18 +221,14 @@ class Reader {
     const auto found = shape_of(e);
     if (!found) return {};
     CollisionShape shape;
-    shape.in_link = pose_of(e);
-    shape.shape = *found;
+    if (found->kind == Shape::Kind::mesh)
+      shape = KAZ_TRY(mesh_collision(found->mesh_path, found->size, options_.mesh_collision));
+    else
+      shape.shape = *found;
+    shape.in_link = pose_of(e) * shape.in_link;
     shape.surface = kRobotSurface;
     if (const auto mu = urdf_.friction.find(rigid.name); mu != urdf_.friction.end())
       shape.surface.mu = mu->second;
-    if (found->kind == Shape::Kind::mesh) {
-      const auto mesh = read_mesh(found->mesh_path, found->size);
-      if (!mesh) return tl::unexpected(mesh.error());
-      const auto [around, at] = shape_around(mesh->corners, options_.mesh_collision);
-      shape.shape = around;
-      shape.in_link = shape.in_link * at;
-    }
     rigid.collisions.push_back(std::move(shape));
     return {};
   }
@@ -361,8 +351,14 @@ std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints)
   return std::nullopt;
 }
 
-Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options) {
-  const auto urdf = check_urdf(urdf_path, options);
+Result<RobotModel> load_robot(const std::string& path, const ReadOptions& options) {
+  auto file = KAZ_TRY(XmlFile::load(path, ""));
+  const std::string root = file.root().Name();
+  if (root == kMjcfRoot) return read_mjcf(file, options);
+  if (root != "robot")
+    return file.error(file.root(),
+                      "root element is <" + root + ">, expected <robot> (URDF) or <mujoco> (MJCF)");
+  const auto urdf = check_urdf(std::move(file), options);
   if (!urdf) return tl::unexpected(urdf.error());
   return Reader(*urdf, options).read();
 }

@@ -1,7 +1,7 @@
-// Robot model, loaded from a URDF, in the form that the dynamics use.
+// Robot model, loaded from a URDF or MJCF, in the form that the dynamics use.
 // SPDX-License-Identifier: Apache-2.0
 //
-// docs/reference/robot.md specifies which URDF files are accepted. Links at fixed joints are merged into
+// docs/reference/robot.md specifies which files are accepted. Links at fixed joints are merged into
 // their parent link; RobotModel::frames still lists their frames.
 #pragma once
 
@@ -53,7 +53,7 @@ struct RobotJoint {
   std::optional<JointCoupling> follows = std::nullopt;
 };
 
-// Frame of a URDF link, fixed to a link of the model.
+// Frame of a link of the file, fixed to a link of the model.
 struct RobotFrame {
   int link = 0;  // index into RobotModel::links
   Eigen::Isometry3d in_link = Eigen::Isometry3d::Identity();
@@ -88,7 +88,14 @@ struct RobotModel {
 // Returns the index of the first follower that leaves its leader no range.
 std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints);
 
-// Loads and checks a URDF. The error names file and line of the first objection; its details are the others.
-Result<RobotModel> load_robot(const std::string& urdf_path, const ReadOptions& options = {});
+// Softness with which the gait was repeatable (static sinkage of 0.25 mm). The friction is above that of any
+// floor, so that the floor's counts (the smaller mu of a pair).
+inline constexpr Surface kRobotSurface{.mu = 1.0, .softness = 5e-3};
+// A lighter link is a frame: exporters write such masses for links without a body.
+inline constexpr double kLightestLink = 1e-9;  // kg
+
+// Loads and checks a URDF or, if the root element is <mujoco>, an MJCF. The error names file and line of the
+// first objection. Its details are the others.
+Result<RobotModel> load_robot(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace kaz::sim

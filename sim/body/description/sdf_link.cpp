@@ -3,9 +3,9 @@
 #include "sim/body/description/sdf_link.h"
 
 #include <initializer_list>
+#include <utility>
 
 #include "sim/body/description/mesh_collision.h"
-#include "sim/body/description/mesh_file.h"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
@@ -101,10 +101,9 @@ Result<CollisionShape> collision_of(const sdf::Collision& collision, const ReadO
   out.mask =
       static_cast<std::uint16_t>(value_at(e, {"surface", "contact", "collide_bitmask"}, out.mask));
   if (out.shape.kind != Shape::Kind::mesh) return out;
-  const auto mesh = KAZ_TRY(read_mesh(out.shape.mesh_path, out.shape.size));
-  const auto [around, at] = shape_around(mesh.corners, options.mesh_collision);
-  out.shape = around;
-  out.in_link = out.in_link * at;
+  auto around = KAZ_TRY(mesh_collision(out.shape.mesh_path, out.shape.size, options.mesh_collision));
+  out.shape = std::move(around.shape);
+  out.in_link = out.in_link * around.in_link;
   return out;
 }
 

@@ -440,8 +440,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
   return tensor;
 }
 
-Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options) {
-  auto file = KAZ_TRY(XmlFile::load(path, "robot"));
+Result<Urdf> check_urdf(XmlFile file, const ReadOptions& options) {
   Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;

@@ -42,8 +42,8 @@ struct Urdf {
 // The inertia tensor of an element <inertia>; missing moments are 0.
 Eigen::Matrix3d tensor_of(const tinyxml2::XMLElement& inertia);
 
-// Reads and checks the file against the URDF subset in docs/reference/robot.md (urdf_schema.h). With
-// ReadOptions::body == false, only names and limits are checked.
-Result<Urdf> check_urdf(const std::string& path, const ReadOptions& options);
+// Checks a file with the root <robot> against the URDF subset in docs/reference/robot.md (urdf_schema.h).
+// With ReadOptions::body == false, only names and limits are checked.
+Result<Urdf> check_urdf(XmlFile file, const ReadOptions& options);
 
 }  // namespace kaz::sim

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/urdf_joints.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -10,9 +9,6 @@
 
 namespace kaz::sim {
 namespace {
-
-// A robot with this many of Kaz's 18 joint names is a Kaz, and must have all of them.
-constexpr std::ptrdiff_t kNamesOfKaz = 15;
 
 using JointsByName = std::map<std::string, const tinyxml2::XMLElement*>;
 
@@ -82,31 +78,18 @@ void resolve_mimics(Urdf& urdf, const JointObjection& object) {
 }
 
 void check_joint_names(const Urdf& urdf, const JointObjection& object) {
-  std::vector<std::string> turning;
+  std::vector<const tinyxml2::XMLElement*> driven;
+  std::vector<std::string> names;
   for (const auto* joint : urdf.joints) {
-    if (urdf.has_motor(*joint)) turning.emplace_back(joint->Attribute("name"));
+    if (!urdf.has_motor(*joint)) continue;
+    driven.push_back(joint);
+    names.emplace_back(joint->Attribute("name"));
   }
   // Followers alone form a cycle, which resolve_mimics() has reported.
-  if (turning.empty() && urdf.mimics.empty())
-    return object(urdf.file.root(), "robot has no revolute joint; a robot needs at least one");
-  const auto& table = joint_names();
-  const auto shared = std::ranges::count_if(
-      table, [&](const std::string& name) { return std::ranges::count(turning, name) > 0; });
-  if (shared < kNamesOfKaz) return;
-  for (const std::string& name : table) {
-    if (std::ranges::count(turning, name) == 0)
-      object(urdf.file.root(),
-             "robot has no joint `" + name + "`, but " + std::to_string(shared) +
-                 " other joints of Kaz; a Kaz has all joints of shared/board/joints.def: "
-                 "add the missing joint, or rename the others if the robot is not a Kaz");
-  }
-  for (const auto* joint : urdf.joints) {
-    const std::string name = joint->Attribute("name");
-    if (urdf.has_motor(*joint) && std::ranges::count(table, name) == 0)
-      object(*joint, "joint `" + name +
-                         "` is not a joint of the servo board (shared/board/joints.def): correct "
-                         "the joint's name, or make the joint fixed");
-  }
+  if (names.empty() && !urdf.mimics.empty()) return;
+  for (const JointNameError& error : joint_name_errors(names))
+    object(error.joint < 0 ? urdf.file.root() : *driven[static_cast<std::size_t>(error.joint)],
+           error.text);
 }
 
 }  // namespace kaz::sim

@@ -20,7 +20,8 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
   KAZ_TRY(file.check_text());
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
-    return file.error(1, "is empty; it needs an element <" + root_name + ">");
+    return file.error(1, root_name.empty() ? "is empty; it needs an element"
+                                           : "is empty; it needs an element <" + root_name + ">");
   if (status != tinyxml2::XML_SUCCESS) {
     // "XML_ERROR_MISMATCHED_ELEMENT" in words.
     std::string what = file.document_->ErrorName();
@@ -38,7 +39,7 @@ Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_n
   }
   const tinyxml2::XMLElement* root = file.document_->RootElement();
   if (root == nullptr) return file.error(1, "has no element <" + root_name + ">");
-  if (root->Name() != root_name) {
+  if (!root_name.empty() && root->Name() != root_name) {
     return file.error(
         *root, std::string("root element is <") + root->Name() + ">, expected <" + root_name + ">");
   }

@@ -18,7 +18,7 @@ class XmlFile {
  public:
   // Reads and parses a file. Fails if the file cannot be read, exceeds `max_bytes`, or is not well-formed XML
   // in UTF-8. Also fails if the file has a document type declaration, or if the name of the root element is
-  // not `root_name`.
+  // not `root_name`. An empty `root_name` permits any root element.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name,
                               std::size_t max_bytes = std::size_t{16} << 20);
 

@@ -11,10 +11,10 @@
 #include <string>
 #include <utility>
 
-#include "shared/base/files.hpp"
 #include "shared/base/profile.hpp"
 #include "shared/board/table.h"
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/urdf_writer.h"
 #include "sim/runtime/simulation/recorder.h"
 #include "sim/runtime/simulation/recording_tap.h"
 
@@ -310,7 +310,7 @@ Result<void> Simulation::describe_robot() {
   const auto robot = KAZ_TRY(load_robot(options_.robot_path, {.body = false}));
   robot_frames_.clear();
   for (const auto& [name, frame] : robot.frames) robot_frames_.push_back(name);
-  recorder_->description(now_, KAZ_TRY(read_whole_file(options_.robot_path, 16 << 20)));
+  recorder_->description(now_, KAZ_TRY(robot_urdf(options_.robot_path)));
   recorder_->scene(now_, world_->scene(), robot_frames_);
   return {};
 }

@@ -148,6 +148,36 @@ TEST(RobotVerb, DoesNotReplaceTheRobotByItsPicture) {
   EXPECT_EQ(read_file(folder / "lamp.urdf"), kArm);
 }
 
+// The same arm in MJCF, with an attribute of MuJoCo 3.
+const std::string kMjcfArm =
+    "<mujoco model='lamp'>\n<worldbody><body name='arm' pos='0 0 0.2'>\n<joint name='tilt' axis='0 "
+    "1 0' "
+    "range='-1 1'/><inertial pos='0 0 0.05' mass='0.1' diaginertia='1e-4 1e-4 1e-5'/><geom "
+    "type='cylinder' size='0.01 0.05' pos='0 0 0.05'/></body></worldbody>\n<compiler "
+    "angle='radian'/><actuator>\n<position joint='tilt' forcerange='-1 1' kv='3'/>\n</actuator>"
+    "</mujoco>\n";
+
+TEST(RobotVerb, ReadsMjcfAndWritesItAsUrdf) {
+  const TemporaryFolder folder;
+  write_file(folder / "lamp.xml", kMjcfArm);
+  const Finished text =
+      run(kaz({"robot", "check", folder / "lamp.xml", "--urdf", folder / "lamp.urdf", "--write",
+               "--picture", folder / "lamp.png"}));
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* part :
+       {"lamp: 1 joints, 2 links, 0.100 kg, 1 collision shapes, fixed to the world",
+        "tilt                           -1.0000    1.0000      none         1",
+        "not used: attribute `kv` of <position>; --verbose lists the lines", "URDF: "})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+  const Finished again = run(kaz({"robot", "check", folder / "lamp.urdf", "--strict"}));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("lamp: 1 joints, 2 links, 0.100 kg, 1 collision"), std::string::npos)
+      << again.out;
+  const Finished stands = run(kaz(
+      {"run", "stand", "--robot-file", folder / "lamp.xml", "--mcu", "native", "--eyes", "none"}));
+  EXPECT_EQ(stands.exit_code, 0) << stands.out << stands.err;
+}
+
 TEST(RobotVerb, PrintsAllErrorsAtOnce) {
   const TemporaryFolder folder;
   std::string wrong = kArm;
