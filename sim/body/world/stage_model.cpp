@@ -115,7 +115,7 @@ void StageModel::add_joints(const WorldModel& world, const std::vector<int>& num
   for (WorldJoint joint : world.joints) {
     for (int* body : {&joint.parent, &joint.child})
       if (*body >= 0) *body = numbers[static_cast<std::size_t>(*body)];
-    if (joint.parent >= 0 || joint.child >= 0) joints.push_back(std::move(joint));
+    if (joint.parent != joint.child) joints.push_back(std::move(joint));
   }
 }
 

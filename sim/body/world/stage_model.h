@@ -57,7 +57,7 @@ struct StageModel {
   // is empty.
   std::vector<Kick> pushes;
   // Joints of the world with body numbers in place of indices; -1: a fixed body. Joints between two fixed
-  // bodies are left out.
+  // bodies, or of a body with itself, are left out.
   std::vector<WorldJoint> joints;
   bool has_joint(int body) const;
   std::vector<int> feet;    // body numbers of the feet (WorldModel::feet)
