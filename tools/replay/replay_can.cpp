@@ -3,6 +3,7 @@
 #include "tools/replay/replay_can.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -139,7 +140,8 @@ Result<void> check_robot(const BackendOptions& backend) {
 }  // namespace
 
 bool names_can_log(const std::string& path) {
-  return path.ends_with(".log");
+  std::error_code error;
+  return path.ends_with(".log") && !std::filesystem::is_directory(path, error);
 }
 
 Result<bool> replay_can(const ReplayCanOptions& options) {
