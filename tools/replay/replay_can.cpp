@@ -3,6 +3,7 @@
 #include "tools/replay/replay_can.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -13,12 +14,12 @@
 #include "shared/base/counted.hpp"
 #include "shared/base/files.hpp"
 #include "shared/base/hex_text.hpp"
+#include "tools/base/arguments.h"
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/output.h"
 #include "tools/base/provenance.h"
 #include "tools/replay/can_answers.h"
 #include "tools/run/backend.h"
-#include "tools/run/target.h"
 
 namespace kaz::tools {
 namespace {
@@ -127,11 +128,9 @@ Result<void> switch_boards_off(const CanMessages& log, host::Link& link, host::C
   return result;
 }
 
-Result<void> check_robot(const BackendOptions& backend) {
-  const Target target = KAZ_TRY(target_of(backend));
-  if (std::holds_alternative<SimulatedTarget>(target) || std::holds_alternative<PortTarget>(target))
-    return {};
-  return fail(Fault::usage, "--robot " + backend.robot +
+Result<void> check_robot(const std::string& robot) {
+  if (!names_servo_bus(robot) && !robot.starts_with("boards:")) return {};
+  return fail(Fault::usage, "--robot " + robot +
                                 " is not valid with a CAN log: give sim or the port of one line of "
                                 "boards, such as can:can0");
 }
@@ -139,11 +138,12 @@ Result<void> check_robot(const BackendOptions& backend) {
 }  // namespace
 
 bool names_can_log(const std::string& path) {
-  return path.ends_with(".log");
+  std::error_code error;
+  return path.ends_with(".log") && !std::filesystem::is_directory(path, error);
 }
 
 Result<bool> replay_can(const ReplayCanOptions& options) {
-  KAZ_TRY(check_robot(options.backend));
+  KAZ_TRY(check_robot(options.backend.robot));
   const std::string text =
       KAZ_TRY(read_whole_file(options.file, kLargestLog, "give a log of `candump -l`"));
   const auto frames = KAZ_TRY(parse_can_log(options.file, text));

@@ -15,7 +15,7 @@ struct ReplayCanOptions {
   bool json = false;
 };
 
-// Returns whether `path` has the ending of candump's logs, ".log".
+// Returns whether `path` has the ending of candump's logs, ".log", and is no folder of a run.
 bool names_can_log(const std::string& path);
 
 // Prints the result. Returns false if an answer differs from the log. At a port, switches the motors of all

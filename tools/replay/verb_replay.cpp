@@ -22,7 +22,7 @@ struct ReplayArguments {
 };
 
 // Options for recordings of runs. The other options are also valid with a CAN log.
-constexpr const char* kOnlyRecordings[] = {"--host", "--whole", "--set",   "--plugin",
+constexpr const char* kOnlyRecordings[] = {"--host", "--whole", "--set", "--plugin",
                                            "--view", "--video", "--pace"};
 
 Result<bool> replay_can_log(const CLI::App& verb, const ReplayOptions& replay,

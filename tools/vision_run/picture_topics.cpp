@@ -17,7 +17,7 @@ using Recording = sim::McapRecording;
 
 constexpr std::uint64_t kLargestSkew_ns = 5'000'000;
 constexpr std::uint64_t kLatestStamp_ns = std::uint64_t{1} << 62;  // differences fit into Time
-constexpr std::size_t kMostListed = 30;  // topics in an error
+constexpr std::size_t kMostListed = 30;                            // topics in an error
 
 std::string list_of_topics(const Recording& recording) {
   std::string text;
@@ -34,7 +34,7 @@ tl::unexpected<Error> no_topics(const Recording& recording, const std::string& n
   return fail(Fault::usage, name + ": is an MCAP file of another program, " + why +
                                 ": give --topics LEFT,RIGHT with topics of pictures "
                                 "(sensor_msgs/Image or CompressedImage in ros1 or cdr, "
-                                "foxglove.CompressedImage in json); its topics are " +
+                                "foxglove.CompressedImage in json or protobuf); its topics are " +
                                 list_of_topics(recording));
 }
 

@@ -10,6 +10,7 @@
 #include "shared/base/one_line.hpp"
 #include "shared/picture/picture.h"
 #include "sim/runtime/formats/message_fields.h"
+#include "sim/runtime/formats/protobuf_fields.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::sim {
@@ -29,8 +30,9 @@ constexpr PictureSchema kRosSchemas[] = {{"sensor_msgs/Image", Kind::raw},
                                          {"sensor_msgs/CompressedImage", Kind::compressed},
                                          {"foxglove_msgs/CompressedImage", Kind::foxglove},
                                          {"sensor_msgs/CameraInfo", Kind::camera_info}};
-constexpr PictureSchema kJsonSchemas[] = {{"foxglove.CompressedImage", Kind::foxglove},
-                                          {"foxglove.CameraCalibration", Kind::camera_info}};
+// In JSON and protobuf.
+constexpr PictureSchema kFoxgloveSchemas[] = {{"foxglove.CompressedImage", Kind::foxglove},
+                                              {"foxglove.CameraCalibration", Kind::camera_info}};
 
 struct ChannelForm {
   std::string schema, encoding;
@@ -152,6 +154,46 @@ Result<vision::CameraInfo> parse_json_camera_info(const Message& message,
                             .p = numbers_in(json, "P")};
 }
 
+// google.protobuf.Timestamp: seconds and nanoseconds.
+std::uint64_t take_protobuf_stamp(ProtobufFields::Bytes bytes) {
+  std::uint32_t seconds = 0, nanoseconds = 0;
+  ProtobufFields fields(bytes);
+  while (const auto field = fields.next()) {
+    if (field->number == 1) seconds = static_cast<std::uint32_t>(field->value);
+    if (field->number == 2) nanoseconds = static_cast<std::uint32_t>(field->value);
+  }
+  return stamp_of(seconds, nanoseconds);
+}
+
+Result<PictureMessage> parse_protobuf_picture(const Message& message, const std::string& schema) {
+  PictureMessage picture;
+  ProtobufFields fields(message.data);
+  while (const auto field = fields.next()) {
+    if (field->number == 1) picture.stamp_ns = take_protobuf_stamp(field->bytes);
+    if (field->number == 2) picture.data.assign(field->bytes.begin(), field->bytes.end());
+  }
+  if (!fields.good()) return wrong_fields(schema);
+  return picture;
+}
+
+Result<vision::CameraInfo> parse_protobuf_camera_info(const Message& message,
+                                                      const std::string& schema) {
+  vision::CameraInfo info;
+  std::array<std::vector<double>*, 4> lists = {&info.d, &info.k, &info.r, &info.p};
+  ProtobufFields fields(message.data);
+  while (const auto field = fields.next()) {
+    if (field->number == 2) info.width = static_cast<std::uint32_t>(field->value);
+    if (field->number == 3) info.height = static_cast<std::uint32_t>(field->value);
+    if (field->number == 4) info.model.assign(field->bytes.begin(), field->bytes.end());
+    if (field->number < 5 || field->number > 8) continue;
+    std::vector<double>& list = *lists[field->number - 5];
+    add_protobuf_doubles(*field, list);
+    if (list.size() > kMaxCoefficients) return wrong_fields(schema);
+  }
+  if (!fields.good()) return wrong_fields(schema);
+  return info;
+}
+
 MessageFields::Wire wire_of(const ChannelForm& form) {
   return form.encoding == "ros1" ? MessageFields::Wire::ros1 : MessageFields::Wire::cdr;
 }
@@ -160,8 +202,8 @@ MessageFields::Wire wire_of(const ChannelForm& form) {
 
 Kind kind_of_channel(const McapRecording& recording, std::uint16_t channel) {
   auto [schema, encoding] = form_of(recording, channel);
-  if (encoding == "json") {
-    for (const PictureSchema& one : kJsonSchemas)
+  if (encoding == "json" || encoding == "protobuf") {
+    for (const PictureSchema& one : kFoxgloveSchemas)
       if (schema == one.name) return one.kind;
     return Kind::other;
   }
@@ -183,6 +225,7 @@ std::string channel_text(const McapRecording& recording, std::uint16_t channel) 
 Result<PictureMessage> parse_picture(const McapRecording& recording, const Message& message) {
   const ChannelForm form = form_of(recording, message.channel);
   if (form.encoding == "json") return parse_json_picture(message, form.schema);
+  if (form.encoding == "protobuf") return parse_protobuf_picture(message, form.schema);
   const Kind kind = kind_of_channel(recording, message.channel);
   MessageFields fields(wire_of(form), message.data);
   PictureMessage picture;
@@ -225,6 +268,7 @@ Result<vision::CameraInfo> parse_camera_info_message(const McapRecording& record
                                                      const Message& message) {
   const ChannelForm form = form_of(recording, message.channel);
   if (form.encoding == "json") return parse_json_camera_info(message, form.schema);
+  if (form.encoding == "protobuf") return parse_protobuf_camera_info(message, form.schema);
   MessageFields fields(wire_of(form), message.data);
   take_stamp(fields, wire_of(form), true);
   vision::CameraInfo info;

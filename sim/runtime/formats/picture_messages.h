@@ -1,9 +1,10 @@
 // Pictures and camera calibrations in messages of other programs.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Messages: sensor_msgs/Image, sensor_msgs/CompressedImage and sensor_msgs/CameraInfo in ROS 1 and CDR, and
-// foxglove.CompressedImage and foxglove.CameraCalibration in JSON. foxglove_msgs/CompressedImage is read in
-// ROS 1 and CDR, too. Encodings of raw pictures: rgb8, bgr8 and mono8. Compressed pictures: PNG and JPEG.
+// ROS 1 and CDR: sensor_msgs/Image, sensor_msgs/CompressedImage and sensor_msgs/CameraInfo. Also
+// foxglove_msgs/CompressedImage.
+// JSON and protobuf: foxglove.CompressedImage and foxglove.CameraCalibration.
+// Raw pictures have the encoding rgb8, bgr8 or mono8. Compressed pictures are PNG or JPEG.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +45,8 @@ struct PictureMessage {
 // one sentence if the message does not have the fields of its schema.
 Result<PictureMessage> parse_picture(const McapRecording& recording,
                                      const McapRecording::Message& message);
-// Decodes the pixels. Fails (usage) if the encoding is not supported, or if the data do not fit the size.
-// `name`: beginning of the error.
+// Decodes the pixels. Fails (usage) if the encoding is not supported, or if the data do not fit the size. The
+// error begins with `name`.
 Result<vision::Image> decode_message_picture(const PictureMessage& message,
                                              const std::string& name);
 

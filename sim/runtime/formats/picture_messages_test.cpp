@@ -104,6 +104,7 @@ TEST(PictureMessages, KnowsTheNamesOfRosAndFoxglove) {
         std::tuple("foxglove_msgs/CompressedImage", "ros1", Kind::foxglove),
         std::tuple("foxglove.CompressedImage", "json", Kind::foxglove),
         std::tuple("foxglove.CameraCalibration", "json", Kind::camera_info),
+        std::tuple("foxglove.CompressedImage", "protobuf", Kind::foxglove),
         std::tuple("sensor_msgs/msg/CameraInfo", "cdr", Kind::camera_info),
         std::tuple("sensor_msgs/msg/PointCloud2", "cdr", Kind::other),
         std::tuple("sensor_msgs/Image", "json", Kind::other),
@@ -210,6 +211,36 @@ TEST(PictureMessages, ReadsCameraInfo) {
   ASSERT_TRUE(foxglove) << foxglove.error().message;
   EXPECT_EQ(foxglove->width, 640u);
   EXPECT_EQ(foxglove->k, (std::vector<double>{400, 0.5}));
+}
+
+TEST(PictureMessages, ReadsProtobufOfFoxglove) {
+  // Field 1: a time; 4: the frame; 2: "P5 1 1 255\nA"; 15: an unknown number; 3: the format.
+  Bytes message{0x0A, 4, 0x08, 3, 0x10, 4, 0x22, 1, 'f', 0x12, 12};
+  for (const char c : std::string("P5 1 1 255\nA")) message.push_back(static_cast<std::uint8_t>(c));
+  for (const std::uint8_t byte : {0x78, 0x96, 0x01, 0x1A, 0x01, 0x70}) message.push_back(byte);
+  const auto recording = with_channel("foxglove.CompressedImage", "protobuf");
+  const auto parsed = parse_picture(recording, {1, 0, message});
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ(parsed->stamp_ns, 3'000'000'004u);
+  const auto gray = decode_message_picture(*parsed, "picture");
+  ASSERT_TRUE(gray) << gray.error().message;
+  EXPECT_EQ(gray->rgb, (Bytes{'A', 'A', 'A'}));
+  message.pop_back();
+  EXPECT_FALSE(parse_picture(recording, {1, 0, message})) << "the last field is cut off";
+  EXPECT_FALSE(parse_picture(recording, {1, 0, Bytes(11, 0xFF)})) << "a varint without an end";
+
+  // width, height, model, K packed, P in two fields.
+  Bytes info{0x15, 64, 0, 0, 0, 0x1D, 48, 0, 0, 0, 0x22, 1, 'x', 0x32, 16};
+  LittleEndian(info).real(400).real(0.5).number(std::uint8_t{0x41}).real(7);
+  LittleEndian(info).number(std::uint8_t{0x41}).real(8);
+  const auto read = parse_camera_info_message(
+      with_channel("foxglove.CameraCalibration", "protobuf"), {1, 0, info});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->width, 64u);
+  EXPECT_EQ(read->height, 48u);
+  EXPECT_EQ(read->model, "x");
+  EXPECT_EQ(read->k, (std::vector<double>{400, 0.5}));
+  EXPECT_EQ(read->p, (std::vector<double>{7, 8}));
 }
 
 TEST(MessageFields, ReadsBigEndianCdr) {

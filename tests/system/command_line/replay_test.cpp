@@ -168,5 +168,30 @@ TEST(Replay, SaysWhatIsNoRecording) {
   EXPECT_NE(text.err.find("not an MCAP file"), std::string::npos) << text.err;
 }
 
+// The log ends within a message; an answer of the virtual board has other counters than the recorded one.
+TEST(Replay, ACanLogIsSentToTheVirtualBoard) {
+  const std::string log = "tools/fuzz/inputs/seeds/can_log/requests_and_answers.log";
+  const Finished sent = run(kaz({"replay", log, "--json"}), std::chrono::seconds(100));
+  const json result = parse_json(sent.out);
+  ASSERT_TRUE(result.is_object()) << sent.out << sent.err;
+  EXPECT_EQ(sent.exit_code, result["identical"] == true ? 0 : 1);
+  EXPECT_EQ(result["robot"], "the simulator");
+  EXPECT_GE(result["requests"].get<int>(), 3);
+  EXPECT_GE(result["answers"].get<int>(), 3);
+  for (const json& one : result["differences"]) EXPECT_NE(one["what"], "") << one;
+
+  const Finished host = run(kaz({"replay", log, "--host"}), std::chrono::seconds(10));
+  EXPECT_EQ(host.exit_code, 2);
+  EXPECT_NE(host.err.find("--host is not valid with a CAN log"), std::string::npos) << host.err;
+  const Finished robot =
+      run(kaz({"replay", "none.mcap", "--robot", "sim"}), std::chrono::seconds(10));
+  EXPECT_EQ(robot.exit_code, 2);
+  EXPECT_NE(robot.err.find("--robot is only valid with a CAN log"), std::string::npos) << robot.err;
+  const Finished bus =
+      run(kaz({"replay", log, "--robot", "feetech:/dev/none"}), std::chrono::seconds(10));
+  EXPECT_EQ(bus.exit_code, 2);
+  EXPECT_NE(bus.err.find("is not valid with a CAN log"), std::string::npos) << bus.err;
+}
+
 }  // namespace
 }  // namespace kaz::test
