@@ -142,6 +142,7 @@ class SdfFileCheck {
     const std::string name = e.Name();
     attributes(e, known);
     if (const auto wrong = name_error(e)) report_.spoil(e, *wrong);
+    check_colons(e);
     check_needs(e, report_);
     if (const auto wrong = sdf_value_error(e, parent)) report_.spoil(e, *wrong);
     if ((name == "visual" || name == "collision") && !has_shape(e)) return;
@@ -172,6 +173,15 @@ class SdfFileCheck {
     }
     if (name == "joint") check_joint(e, report_);
     if (name == "ode" && parent == "friction") check_friction(e, report_);
+  }
+
+  // Until SDF 1.7, links of nested models may have names such as `model::link`.
+  void check_colons(const SdfXml& e) {
+    const char* name = e.Attribute("name");
+    if (name == nullptr || std::string(name).find("::") == std::string::npos) return;
+    if (minor_ < 8 && !contains_name(std::vector{"world", "visual", "collision"}, e.Name())) return;
+    report_.spoil(
+        e, "the name `" + std::string(name) + "` of " + sdf_tag(e) + " contains `::`; rename it");
   }
 
   static bool is_plain(const std::string& name, const std::string& parent) {

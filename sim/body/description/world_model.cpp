@@ -133,7 +133,9 @@ struct SdfParser {
   Result<sdf::SDFPtr> parse(const std::string& text) const {
     auto parsed = std::make_shared<sdf::SDF>();
     sdf::Errors errors;
-    if (!sdf::initString(schema, parsed) || !sdf::readString(text, config, parsed, errors)) {
+    // Not into the SDFPtr: on an error, libsdformat would then try to read the text as a URDF.
+    if (!sdf::initString(schema, parsed) ||
+        !sdf::readString(text, config, parsed->Root(), errors)) {
       if (!errors.empty()) return first_of(errors, path);
       return fail(Fault::usage, path + ": the SDF parser rejects it without a reason");
     }
