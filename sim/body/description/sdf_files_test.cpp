@@ -305,11 +305,27 @@ TEST_F(SdfFile, OtherJointsConnectBodies) {
   EXPECT_EQ(hinge.friction, 0.1);
   const WorldJoint& slide = world->joints[1];
   EXPECT_EQ(slide.kind, WorldJoint::Kind::prismatic);
-  EXPECT_EQ(slide.parent, -1) << "the child moves";
+  EXPECT_EQ(slide.parent, 4) << "the child moves, the parent is fixed";
+  EXPECT_TRUE(world->bodies[4].fixed);
   EXPECT_EQ(slide.child, 3);
   EXPECT_TRUE(slide.axis.isApprox(Eigen::Vector3d(1, 0, 0), 1e-12)) << slide.axis;
   EXPECT_EQ(world->joints[2].kind, WorldJoint::Kind::ball);
   EXPECT_EQ(world->joints[3].lower, -HUGE_VAL);
+}
+
+TEST_F(SdfFile, LinksOfJointedModelsDoNotCollideWithEachOther) {
+  const std::string collide = "<self_collide>true</self_collide>";
+  const auto model = [&](const std::string& parts, const std::string& in_link) {
+    return "<model name='m'>" + link_text("a", in_link) + parts + "</model>";
+  };
+  const std::string joint =
+      "<joint name='j' type='ball'><parent>world</parent><child>a</child>"
+      "</joint>";
+  EXPECT_TRUE(load(model(collide, "")));
+  const std::string refused = "<self_collide> of true is not supported in a model with joints";
+  expect_error(model(joint + collide, ""), refused);
+  expect_error(model(joint, collide), refused);
+  EXPECT_TRUE(load(model(joint + "<self_collide>false</self_collide>", "")));
 }
 
 TEST_F(SdfFile, RefusesLimitsInTheWrongOrder) {
