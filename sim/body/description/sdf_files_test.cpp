@@ -241,14 +241,14 @@ TEST_F(SdfFile, IncludesOnlyFilesInItsFolders) {
 
 TEST_F(SdfFile, BoundsModelsOfNestedIncludes) {
   std::string many;
-  for (int i = 0; i < 30; ++i)
+  for (int i = 0; i < 70; ++i)
     many += "<include><uri>leaf.sdf</uri><name>n" + std::to_string(i) + "</name></include>\n";
   write("leaf.sdf", model_file("leaf", link_text("l")));
   std::string more = many;
   for (std::size_t at = 0; (at = more.find("leaf.sdf", at)) != more.npos;)
     more.replace(at, 8, "tree.sdf");
   write("tree.sdf", model_file("tree", many));
-  expect_error(more, "<world> has more than 500 models");
+  expect_error(more, "<world> has more than 4000 models");
 }
 
 TEST_F(SdfFile, FixedJointsMergeLinks) {
