@@ -393,7 +393,7 @@ class SdfFileCheck {
     scan_.open.pop_back();
     if (!text.empty()) {
       included.index = static_cast<int>(scan_.out.models.size());
-      scan_.out.models.push_back(text);
+      scan_.out.models.push_back({*path, text});
     }
     included.models = scan_.models - before;
     return scan_.known[key] = included;

@@ -200,6 +200,15 @@ TEST_F(SdfFile, IncludedFilesAreCheckedAsTheWorldIs) {
   EXPECT_NE(world.error().details[0].find("world.sdf:9: unknown element <lnk>"), std::string::npos);
 }
 
+TEST_F(SdfFile, ErrorsOfTheParserNameTheIncludedFile) {
+  write("odd.sdf", model_file("odd", link_text("__odd__")));
+  expect_error("<include><uri>odd.sdf</uri></include>", "__odd__");
+  const auto world = load("<include><uri>odd.sdf</uri></include>");
+  ASSERT_FALSE(world);
+  EXPECT_EQ(world.error().message.find("world.sdf:"), world.error().message.find("world.sdf: "))
+      << "no line of another file: " << world.error().message;
+}
+
 TEST_F(SdfFile, RefusesIncludesThatItCannotFollow) {
   expect_error(
       "<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Sun</uri></include>",
