@@ -289,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(
              "a mass of 1e-200 kg; a movable body must have 1e-9 to 10000 kg"},
         Case{"beyond_the_horizon", "<pose>0.3 0.5 0.02 0 0 0</pose>",
              "<pose>0.3 1e9 0.02 0 0 0</pose>", 0,
-             "<pose> must contain 6 numbers from -100 to 100 (m, rad)"},
+             "<pose> must contain 6 numbers from -1000 to 1000 (m, rad)"},
         Case{"gravity_of_a_star", "<gravity>0 0 -9.81</gravity>", "<gravity>0 0 -9810</gravity>", 0,
              "<gravity> must contain 3 numbers from -50 to 50 m/s2, not \"0 0 -9810\""},
         Case{"moments_of_a_star", "<ixx>2.4e-6</ixx>", "<ixx>1e250</ixx>", 0,

@@ -21,12 +21,17 @@ inline constexpr const char* kSdfStub = "kaz:include";
 // Deepest nesting of models, and of files that include each other.
 inline constexpr int kMaxSdfDepth = 8;
 
+// Text of an included file with one <model> in <sdf>.
+struct IncludedText {
+  std::string path;
+  std::string text;
+};
+
 // A valid world. The texts contain only elements of sdf_schema(), each on its line of the file. Unused
 // elements are left out, paths of meshes are absolute, and empty poses are zero.
 struct CheckedSdf {
   std::string text;
-  // Files of included models. Their element <sdf> has one <model>.
-  std::vector<std::string> models;
+  std::vector<IncludedText> models;
   std::vector<FileNote> notes;
   // Direction to the lamp of the first directional light, in the world frame, at least 3 degrees above the
   // floor. Used without <kaz:light>.

@@ -200,6 +200,15 @@ TEST_F(SdfFile, IncludedFilesAreCheckedAsTheWorldIs) {
   EXPECT_NE(world.error().details[0].find("world.sdf:9: unknown element <lnk>"), std::string::npos);
 }
 
+TEST_F(SdfFile, ErrorsOfTheParserNameTheIncludedFile) {
+  write("odd.sdf", model_file("odd", link_text("__odd__")));
+  expect_error("<include><uri>odd.sdf</uri></include>", "__odd__");
+  const auto world = load("<include><uri>odd.sdf</uri></include>");
+  ASSERT_FALSE(world);
+  EXPECT_EQ(world.error().message.find("world.sdf:"), world.error().message.find("world.sdf: "))
+      << "no line of another file: " << world.error().message;
+}
+
 TEST_F(SdfFile, RefusesIncludesThatItCannotFollow) {
   expect_error(
       "<include><uri>https://fuel.gazebosim.org/1.0/OpenRobotics/models/Sun</uri></include>",
@@ -241,14 +250,14 @@ TEST_F(SdfFile, IncludesOnlyFilesInItsFolders) {
 
 TEST_F(SdfFile, BoundsModelsOfNestedIncludes) {
   std::string many;
-  for (int i = 0; i < 30; ++i)
+  for (int i = 0; i < 70; ++i)
     many += "<include><uri>leaf.sdf</uri><name>n" + std::to_string(i) + "</name></include>\n";
   write("leaf.sdf", model_file("leaf", link_text("l")));
   std::string more = many;
   for (std::size_t at = 0; (at = more.find("leaf.sdf", at)) != more.npos;)
     more.replace(at, 8, "tree.sdf");
   write("tree.sdf", model_file("tree", many));
-  expect_error(more, "<world> has more than 500 models");
+  expect_error(more, "<world> has more than 4000 models");
 }
 
 TEST_F(SdfFile, FixedJointsMergeLinks) {
@@ -305,11 +314,27 @@ TEST_F(SdfFile, OtherJointsConnectBodies) {
   EXPECT_EQ(hinge.friction, 0.1);
   const WorldJoint& slide = world->joints[1];
   EXPECT_EQ(slide.kind, WorldJoint::Kind::prismatic);
-  EXPECT_EQ(slide.parent, -1) << "the child moves";
+  EXPECT_EQ(slide.parent, 4) << "the child moves, the parent is fixed";
+  EXPECT_TRUE(world->bodies[4].fixed);
   EXPECT_EQ(slide.child, 3);
   EXPECT_TRUE(slide.axis.isApprox(Eigen::Vector3d(1, 0, 0), 1e-12)) << slide.axis;
   EXPECT_EQ(world->joints[2].kind, WorldJoint::Kind::ball);
   EXPECT_EQ(world->joints[3].lower, -HUGE_VAL);
+}
+
+TEST_F(SdfFile, LinksOfJointedModelsDoNotCollideWithEachOther) {
+  const std::string collide = "<self_collide>true</self_collide>";
+  const auto model = [&](const std::string& parts, const std::string& in_link) {
+    return "<model name='m'>" + link_text("a", in_link) + parts + "</model>";
+  };
+  const std::string joint =
+      "<joint name='j' type='ball'><parent>world</parent><child>a</child>"
+      "</joint>";
+  EXPECT_TRUE(load(model(collide, "")));
+  const std::string refused = "<self_collide> of true is not supported in a model with joints";
+  expect_error(model(joint + collide, ""), refused);
+  expect_error(model(joint, collide), refused);
+  EXPECT_TRUE(load(model(joint + "<self_collide>false</self_collide>", "")));
 }
 
 TEST_F(SdfFile, RefusesLimitsInTheWrongOrder) {

@@ -92,6 +92,14 @@ void check_inertial(const SdfNode& link, SdfReport& report) {
                   "principal moment may exceed the sum of the other two");
 }
 
+// Kaz ignores contacts between links that joints connect, as SDF does by default.
+void check_self_collide(const SdfNode& e, SdfReport& report) {
+  if (truth_of(e, "self_collide").value_or(false))
+    report.object(*e.FirstChildElement("self_collide"),
+                  "<self_collide> of true is not supported in a model with joints, whose links do "
+                  "not collide with each other; remove it");
+}
+
 }  // namespace
 
 void check_needs(const SdfNode& e, SdfReport& report) {
@@ -123,9 +131,12 @@ void check_model(const SdfNode& model, bool fixed, SdfReport& report) {
   if (fixed && kick != nullptr)
     report.object(*kick, "model `" + name_of(model) + "` is static, so <kaz:kick> cannot move it");
   if (fixed) return;
+  const bool has_joints = model.FirstChildElement("joint") != nullptr;
+  if (has_joints) check_self_collide(model, report);
   for (const SdfNode* link = model.FirstChildElement("link"); link != nullptr;
        link = link->NextSiblingElement("link")) {
     check_inertial(*link, report);
+    if (has_joints) check_self_collide(*link, report);
     for (const SdfNode* c = link->FirstChildElement("collision"); c != nullptr;
          c = c->NextSiblingElement("collision")) {
       const SdfNode* geometry = c->FirstChildElement("geometry");

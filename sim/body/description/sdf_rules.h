@@ -17,7 +17,8 @@ void check_needs(const tinyxml2::XMLElement& element, SdfReport& report);
 // Checks that an element contains no text.
 void check_no_text(const tinyxml2::XMLElement& element, SdfReport& report);
 
-// Checks kicks, planes and inertias of a model. `fixed`: the model or a model around it is static.
+// Checks kicks, planes, inertias and <self_collide> of a model. `fixed`: the model or a model around it is
+// static.
 void check_model(const tinyxml2::XMLElement& model, bool fixed, SdfReport& report);
 
 // Checks that the friction in <ode> is the same in all directions.

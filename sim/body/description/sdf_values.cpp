@@ -21,7 +21,8 @@ using SdfXml = tinyxml2::XMLElement;
 constexpr double kLargestNumber = 1e300;
 
 // Bounds against wrong units, and against numbers with which a step of the dynamics makes no sense.
-constexpr double kMaxPose = 100;      // m, and rad
+constexpr double kMaxPose = 1000;     // m, and rad
+constexpr double kMaxStart = 100;     // m, and rad
 constexpr double kMaxGravity = 50;    // m/s^2; Jupiter has 25
 constexpr double kMaxKick = 100;      // m/s
 constexpr double kMaxKickTime = 1e6;  // s
@@ -77,7 +78,7 @@ struct OwnAttribute {
   Range range;
 };
 constexpr OwnAttribute kOwn[] = {
-    {"kaz:robot", "pose", {6, -kMaxPose, kMaxPose, " (m, rad)"}},
+    {"kaz:robot", "pose", {6, -kMaxStart, kMaxStart, " (m, rad)"}},
     {"kaz:light", "to_lamp", {3}},
     {"kaz:light", "lamp", {1, 0, 10}},
     {"kaz:light", "shade", {1, 0, 10}},

@@ -158,19 +158,20 @@ Result<void> add_joints(const std::vector<SdfJoint>& joints, std::map<std::strin
   }
   fix_groups(welds, groups, world);
   const std::vector<int> index_of = merge(groups, world);
-  const auto moving = [&](int body) {
-    if (body == kWorldBody) return kWorldBody;
-    const int index = index_of[static_cast<std::size_t>(body)];
-    return world.bodies[static_cast<std::size_t>(index)].fixed ? kWorldBody : index;
+  const auto index = [&](int body) {
+    return body == kWorldBody ? kWorldBody : index_of[static_cast<std::size_t>(body)];
+  };
+  const auto moves = [&](int body) {
+    return body != kWorldBody && !world.bodies[static_cast<std::size_t>(body)].fixed;
   };
   for (const SdfJoint& one : joints) {
     if (one.joint->Type() == sdf::JointType::FIXED) continue;
     const JointEnds ends = KAZ_TRY(ends_of(one, body_of));
     WorldJoint out = KAZ_TRY(joint_of(one));
-    out.parent = moving(ends.parent);
-    out.child = moving(ends.child);
-    if (out.parent == out.child) continue;
-    if (out.child == kWorldBody) {
+    out.parent = index(ends.parent);
+    out.child = index(ends.child);
+    if (out.parent == out.child || (!moves(out.parent) && !moves(out.child))) continue;
+    if (!moves(out.child)) {
       std::swap(out.parent, out.child);
       out.axis = -out.axis;
     }

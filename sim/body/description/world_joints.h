@@ -23,7 +23,8 @@ struct SdfJoint {
 
 // Adds the joints to `world`. `body_of`: index into WorldModel::bodies by "model::link". Bodies that fixed
 // joints connect are merged into the first of them; bodies fixed to the world or to a fixed body are fixed.
-// Joints between two fixed bodies, and within one merged body, are left out. Fails if a joint has no valid
+// Joints between two fixed bodies, and within one merged body, are left out. The child of each WorldJoint can
+// move; its parent may be fixed. Fails if a joint has no valid
 // link or axis.
 Result<void> add_joints(const std::vector<SdfJoint>& joints, std::map<std::string, int> body_of,
                         WorldModel& world);

@@ -100,13 +100,14 @@ std::string line_of(const std::string& message) {
   return message.substr(0, message.find('\n'));
 }
 
-// One of the parser's errors: the first with a line number, as that is the most precise.
-tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path) {
+// One of the parser's errors: the first with a line number, as that is the most precise. `has_lines`: lines
+// are those of the file `path`.
+tl::unexpected<Error> first_of(const sdf::Errors& errors, const std::string& path,
+                               bool has_lines = true) {
   for (const sdf::Error& e : errors) {
-    if (e.LineNumber()) {
+    if (has_lines && e.LineNumber())
       return fail(Fault::usage,
                   path + ":" + std::to_string(*e.LineNumber()) + ": " + line_of(e.Message()));
-    }
   }
   return fail(Fault::usage, path + ": " + line_of(errors.front().Message()));
 }
@@ -126,14 +127,15 @@ sdf::ParserConfig parser_config(bool is_recent) {
 // Parses the texts of check_sdf() and puts the included models in place.
 struct SdfParser {
   const CheckedSdf& checked;
-  const std::string& path;
   sdf::ParserConfig config = parser_config(checked.is_recent);
   std::string schema = sdf_schema(checked.is_plain && checked.models.empty(), checked.nesting);
 
-  Result<sdf::SDFPtr> parse(const std::string& text) const {
+  Result<sdf::SDFPtr> parse(const std::string& path, const std::string& text) const {
     auto parsed = std::make_shared<sdf::SDF>();
     sdf::Errors errors;
-    if (!sdf::initString(schema, parsed) || !sdf::readString(text, config, parsed, errors)) {
+    // Not into the SDFPtr: on an error, libsdformat would then try to read the text as a URDF.
+    if (!sdf::initString(schema, parsed) ||
+        !sdf::readString(text, config, parsed->Root(), errors)) {
       if (!errors.empty()) return first_of(errors, path);
       return fail(Fault::usage, path + ": the SDF parser rejects it without a reason");
     }
@@ -159,7 +161,8 @@ struct SdfParser {
   Result<void> fill(const sdf::ElementPtr& model) const {
     const sdf::ElementPtr stub = model->GetElement(kSdfStub);
     const auto index = std::stoul(stub->GetAttribute("file")->GetAsString());
-    const auto parsed = KAZ_TRY(parse(checked.models.at(index)));
+    const IncludedText& file = checked.models.at(index);
+    const auto parsed = KAZ_TRY(parse(file.path, file.text));
     const sdf::ElementPtr included = parsed->Root()->GetElement("model");
     model->RemoveChild(stub);
     const bool has_pose = model->HasElement("pose"), is_static = model->HasElement("static");
@@ -210,11 +213,11 @@ Result<WorldModel> load_world(const std::string& sdf_path, const ReadOptions& op
   // The parser also prints its errors: silence it.
   sdf::Console::Instance()->SetQuiet(true);
   try {
-    const SdfParser parser{checked, sdf_path};
-    const auto parsed = KAZ_TRY(parser.parse(checked.text));
+    const SdfParser parser{checked};
+    const auto parsed = KAZ_TRY(parser.parse(sdf_path, checked.text));
     sdf::Root root;
     if (const sdf::Errors errors = root.Load(parsed, parser.config); !errors.empty())
-      return first_of(errors, sdf_path);
+      return first_of(errors, sdf_path, checked.models.empty());
     WorldModel out;
     out.notes = checked.notes;
     if (const auto read = read_world(*root.WorldByIndex(0), checked, options, out); !read)
