@@ -54,7 +54,9 @@ const char* const kWalker = R"(<mujoco model="walker">
 const char* const kArm = R"(<mujoco model="arm">
 <worldbody><body name="pedestal" pos="0 0 0.1"><geom type="cylinder" size="0.1 0.1" mass="2"/></body>
 <body name="base" pos="0 0 0.2" quat="1 0 0 1"><geom type="sphere" size="0.03" mass="0.3"/>
- <body name="upper" pos="0 0 0.1"><joint name="a" axis="0 1 0"/><geom type="box" size="0.01 0.02 0.1"/>
+ <body name="upper" pos="0 0 0.1"><joint name="a" axis="0 1 0"/>
+  <geom type="box" size="0.01 0.02 0.1" friction="0.4"/>
+  <geom size="0.02" mass="0" friction="0.9"/><geom size="0.01" mass="0" condim="1"/>
   <body name="lower" pos="0 0 0.2"><joint name="b" axis="1 1 0" pos="0 0 0.01" range="-1 2"/>
    <geom type="capsule" size="0.01 0.05" pos="0 0 0.05"/></body></body></body>
 </worldbody></mujoco>)";

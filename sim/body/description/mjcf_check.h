@@ -31,10 +31,10 @@ bool mjcf_neutral(const std::string& value);
 // Returns the name of a <mesh>: its `name`, or the stem of its `file`.
 std::string mjcf_mesh_name(const tinyxml2::XMLElement& mesh);
 
-// Returns the <mesh> names of a <geom> whose shape is a mesh, else null.
+// Returns the name of the mesh of a <geom>, or null if its shape is not a mesh.
 const char* mjcf_mesh_of(const MjcfSource& source, const tinyxml2::XMLElement& geom);
 
-// Reads and checks the file with its includes. Errors: unknown and refused elements and attributes, invalid
+// Checks the file with its includes. Errors: unknown and refused elements and attributes, invalid
 // numbers and names, missing meshes. All of them are reported together.
 Result<Mjcf> check_mjcf(const XmlFile& file, const ReadOptions& options);
 

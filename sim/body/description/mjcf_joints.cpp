@@ -15,8 +15,9 @@ namespace kaz::sim {
 namespace {
 
 constexpr double kNoMjcfLimit = std::numeric_limits<double>::infinity();
+constexpr double kLargestMjcfTurn = 100;  // rad
 
-double largest_force(const double* range) {
+double largest_of(const double* range) {
   return std::max(std::abs(range[0]), std::abs(range[1]));
 }
 
@@ -80,21 +81,28 @@ void MjcfJoints::read_actuators() {
 double MjcfJoints::force_of(int actuator) const {
   const double gear = std::abs(model_.actuator_gear[6 * actuator]);
   if (model_.actuator_forcelimited[actuator])
-    return gear * largest_force(model_.actuator_forcerange + 2 * actuator);
+    return gear * largest_of(model_.actuator_forcerange + 2 * actuator);
   const bool is_motor = model_.actuator_gaintype[actuator] == mjGAIN_FIXED &&
                         model_.actuator_biastype[actuator] == mjBIAS_NONE;
   if (!is_motor || !model_.actuator_ctrllimited[actuator]) return kNoMjcfLimit;
   return gear * std::abs(model_.actuator_gainprm[mjNGAIN * actuator]) *
-         largest_force(model_.actuator_ctrlrange + 2 * actuator);
+         largest_of(model_.actuator_ctrlrange + 2 * actuator);
 }
 
-void MjcfJoints::read_limits(int joint, RobotJoint& out) const {
+void MjcfJoints::read_limits(int joint, RobotJoint& out) {
   const bool limited = model_.jnt_limited[joint] != 0;
   out.lower = limited ? model_.jnt_range[2 * joint] : -kNoMjcfLimit;
   out.upper = limited ? model_.jnt_range[2 * joint + 1] : kNoMjcfLimit;
+  if (limited && largest_of(model_.jnt_range + 2 * joint) > kLargestMjcfTurn)
+    object(joint,
+           "a limit of joint `" + out.name +
+               "` is beyond 100 rad; check `angle` of <compiler>, which is degree or radian");
   const int dof = model_.jnt_dofadr[joint];
   out.damping = model_.dof_damping[dof];
   out.friction = model_.dof_frictionloss[dof];
+  if (out.damping < 0 || out.friction < 0)
+    object(joint,
+           "`damping` or `frictionloss` of joint `" + out.name + "` is negative; correct it");
   const auto force = force_.find(joint);
   out.effort = force == force_.end() ? kNoMjcfLimit : force->second;
   const tinyxml2::XMLElement& e = element_of(joint);
@@ -102,7 +110,7 @@ void MjcfJoints::read_limits(int joint, RobotJoint& out) const {
   const char* acts = mjcf_.source.value(e, "actuatorfrclimited");
   const auto stated = parse_numbers(range == nullptr ? "" : range, 2);
   if (stated && (acts == nullptr || std::string_view(acts) != "false"))
-    out.effort = std::min(out.effort, largest_force(stated->data()));
+    out.effort = std::min(out.effort, largest_of(stated->data()));
   if (out.effort == 0) out.effort = kNoMjcfLimit;
 }
 

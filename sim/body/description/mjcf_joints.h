@@ -32,7 +32,7 @@ class MjcfJoints {
   void object(int joint, const std::string& text);
   void read_actuators();
   double force_of(int actuator) const;
-  void read_limits(int joint, RobotJoint& out) const;
+  void read_limits(int joint, RobotJoint& out);
   void read_couplings(const std::map<int, int>& number);
   void couple(int equality, int one, int two);
   Coupling resolved(int follower);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/body/description/mjcf_model.h"
 
-#include <algorithm>
+#include <set>
 
 #include <mujoco/mjmodel.h>
 
@@ -141,8 +141,15 @@ class MjcfReader {
     const Place at = is_free(body) ? root_link(part) : carried_by(body, part);
     place_[static_cast<std::size_t>(body)] = at;
     weld(robot_.links[static_cast<std::size_t>(at.link)].rigid, part, at.in_link);
+    claim(body, part.name);
     robot_.frames[part.name] = {at.link, at.in_link};
     return {};
+  }
+
+  // Reserves the name of a link.
+  void claim(int body, const std::string& name) {
+    if (!frame_names_.insert(name).second)
+      object(body, "the name `" + name + "` is used twice for links; rename the body");
   }
 
   Place root_link(const RigidLink& part) {
@@ -185,8 +192,11 @@ class MjcfReader {
     joint.name = model_.names + model_.name_jntadr[number];
     joint.child = static_cast<int>(robot_.links.size());
     joint.axis = link.at_zero.linear() * axis;
-    const bool moved = !at_joint.isZero(0);
-    link.rigid.name = moved ? part.name + "_at_" + joint.name : part.name;
+    link.rigid.name = part.name;
+    if (!at_joint.isZero(0)) {
+      link.rigid.name += "_at_" + joint.name;
+      claim(model_.jnt_bodyid[number], link.rigid.name);
+    }
     robot_.frames[link.rigid.name] = {joint.child, Eigen::Isometry3d::Identity()};
     robot_.joints.push_back(std::move(joint));
     robot_.links.push_back(std::move(link));
@@ -241,6 +251,7 @@ class MjcfReader {
   MjcfShapes shapes_;
   std::vector<Place> place_;    // by body
   std::vector<bool> in_robot_;  // by body
+  std::set<std::string> frame_names_;
   RobotModel robot_;
 };
 

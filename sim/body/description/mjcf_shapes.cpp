@@ -85,6 +85,8 @@ Result<void> MjcfShapes::add(int body, RigidLink& rigid, std::vector<FileNote>& 
 }
 
 Result<void> MjcfShapes::add_geom(int geom, RigidLink& rigid) {
+  if (model_.geom_friction[3 * geom] < 0)
+    object(geom, mjcf_name(element_of(geom)) + " has a negative `friction`; correct it");
   if (const char* name = mjcf_mesh_of(mjcf_.source, element_of(geom))) {
     const auto mesh = mjcf_.meshes.find(name);
     if (mesh != mjcf_.meshes.end()) return add_mesh(geom, mesh->second, rigid);

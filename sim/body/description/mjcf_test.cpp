@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <sstream>
+#include <tuple>
 #include <vector>
 
 #include <mujoco/mujoco.h>
@@ -11,6 +12,7 @@
 #include "sim/body/description/mesh_file.h"
 #include "sim/body/description/mjcf_elements.h"
 #include "sim/body/description/robot_model.h"
+#include "sim/body/description/urdf_writer.h"
 
 namespace kaz::sim {
 namespace {
@@ -94,15 +96,12 @@ TEST_F(MjcfFile, RefusesClosedLoopsAndNamesTheCouplingThatCanReplaceThem) {
 TEST_F(MjcfFile, RefusesWhatIsNoChainOfHinges) {
   for (const auto& [joint, message] : std::vector<std::pair<std::string, std::string>>{
            {"name='j' type='slide'", ":4: body `arm` has a slide joint; Kaz has hinges only"},
-           {"name='j' type='ball'", "robot has no revolute joint"},
-           {"axis='0 0 1'", "has no name; Kaz's joints have names"},
-           {"name='j'/><joint name='k' axis='1 0 0'",
-            "body `arm` has 2 joints; put each of them"}}) {
+           {"name='j' type='ball'", ":4: body `arm` has a ball joint; Kaz has hinges only"},
+           {"axis='0 0 1'", ":4: <joint> has no name; Kaz's joints have names"},
+           {"name='j'/><joint name='l' axis='1 0 0'", ":4: body `arm` has 2 joints; put each"}}) {
     TwoBodies robot;
+    robot.trunk += "<body name='b'><joint name='k'/>" + std::string(kMass) + "</body>";
     robot.joint = joint;
-    if (joint.find("slide") != joint.npos || joint.find("ball") != joint.npos)
-      robot.trunk += "<body name='b'><joint name='k'/>" + std::string(kMass) + "</body>";
-    if (joint.find("ball") != joint.npos) continue;
     EXPECT_PART(errors(robot), message);
   }
   TwoBodies robot;
@@ -149,6 +148,14 @@ TEST_F(MjcfFile, IncludedFilesAreReadOnceAndErrorsNameThem) {
 TEST_F(MjcfFile, DeeplyNestedAndLargeFilesAreRefused) {
   TwoBodies robot;
   for (int i = 0; i < 70000; ++i) robot.after += "<size/>";
+  EXPECT_PART(errors(robot), "more than 50000 elements or 100 levels");
+  std::string open, close;
+  for (int i = 0; i < 60; ++i) {
+    open += "<body>";
+    close += "</body>";
+  }
+  folder_.write("deep.xml", "<x>" + open + close + "</x>");
+  robot.after = "<worldbody>" + open + "<include file='deep.xml'/>" + close + "</worldbody>";
   EXPECT_PART(errors(robot), "more than 50000 elements or 100 levels");
 }
 
@@ -200,6 +207,24 @@ TEST_F(MjcfFile, EffortsAreTheActuatorsForces) {
   EXPECT_EQ(read->joints[1].effort, HUGE_VAL);
   EXPECT_EQ(read->joints[1].velocity, HUGE_VAL);
   EXPECT_PART(summary(read->notes), "passive motion of joint `k` (it gets a motor)");
+}
+
+TEST_F(MjcfFile, ImpossibleValuesAreRefused) {
+  for (const auto& [joint, arm, message] :
+       std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"range='-180 18000'", "", ":5: a limit of joint `j` is beyond 100 rad; check `angle`"},
+           {"damping='-1'", "", ":5: `damping` or `frictionloss` of joint `j` is negative"},
+           {"", "<geom size='0.1' friction='-1'/>", ":4: <geom> has a negative `friction`"},
+           {"", "<geom size='11'/>", ":4: <geom> is larger than 10 m; give its size in m"},
+           {"", "<body pos='11 0 0'/>", ":4: body `body_3` is more than 10 m away"},
+           {"", "<body><inertial pos='0 0 0' mass='101' diaginertia='1 1 1'/></body>",
+            ":4: body `body_3` has a mass above 100 kg"},
+           {"pos='0 0 1'", "<body name='arm_at_j'/>", ":4: the name `arm_at_j` is used twice"}}) {
+    TwoBodies robot;
+    robot.joint += " " + joint;
+    robot.arm += arm;
+    EXPECT_PART(errors(robot), message);
+  }
 }
 
 TEST_F(MjcfFile, ThingsOfTheWorldAreNoted) {
@@ -298,6 +323,16 @@ TEST_F(MjcfFile, RangesLimitJointsAsInMujoco3) {
   read = load(robot);
   ASSERT_TRUE(read) << full_text(read.error());
   EXPECT_EQ(read->joints[0].upper, HUGE_VAL);
+}
+
+TEST_F(MjcfFile, OnlyMjcfIsRewrittenAsUrdf) {
+  const auto kaz = robot_urdf(test::kRobot);
+  ASSERT_TRUE(kaz);
+  EXPECT_EQ(*kaz, test::read_text(test::kRobot));
+  const auto written = robot_urdf(folder_.write("robot.xml", TwoBodies().text()));
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_PART(*written, "<robot name=\"r\">");
+  EXPECT_FALSE(robot_urdf("none.xml"));
 }
 
 TEST_F(MjcfFile, OtherRootElementsAreRefused) {

@@ -8,7 +8,7 @@
 namespace kaz::fuzz {
 
 // Files on the command line (bodies.cpp, files.cpp).
-Complaint try_robot(Bytes bytes);        // URDF
+Complaint try_robot(Bytes bytes);        // URDF, MJCF
 Complaint try_world(Bytes bytes);        // SDF
 Complaint try_motor(Bytes bytes);        // motor.xml; a valid input is also written and read again
 Complaint try_sensors(Bytes bytes);      // sensors.xml
