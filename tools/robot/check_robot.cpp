@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/robot/check_robot.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,13 +11,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "shared/board/board.h"
 #include "shared/picture/png.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/body/description/urdf_writer.h"
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
+#include "tools/robot/board_file.h"
 #include "tools/robot/robot_picture.h"
 #include "tools/robot/starter_files.h"
 
@@ -48,9 +50,11 @@ std::vector<Need> needs_of(const sim::RobotModel& robot, const std::string& file
   Need board{"simulation with a servo board", {}}, bus{"servo bus, real or virtual", {}};
   for (const char* name : {"motor.xml", "sensors.xml"})
     if (missing(name)) add(board.missing, name);
-  if (robot.motors() > KZ_JOINTS)
-    add(board.missing, std::to_string(robot.motors()) + " joints, but the board has channels for " +
-                           std::to_string(KZ_JOINTS));
+  if (const auto limits = limits_for_board(robot); !limits.empty()) {
+    const std::string name = board_file_name(file);
+    add(board.missing, "permitted limits of joints: " + std::to_string(limits.size()) + "; use " +
+                           name + (missing(name.c_str()) ? ", which --write writes" : ""));
+  }
   for (const char* name : {"bus.json", "motor.xml"})
     if (missing(name)) add(bus.missing, name);
   return {board, bus};
@@ -137,12 +141,20 @@ Result<void> write_urdf(const sim::RobotModel& robot, OutputFile& file) {
 }  // namespace
 
 Result<void> check_robot(const CheckRobotOptions& options) {
+  // Large meshes take seconds. Scripts need no progress.
+  Progress progress("kaz robot check", options.json || ::isatty(STDERR_FILENO) == 0);
+  progress.update(0, "reading meshes");
   const auto robot = KAZ_TRY(sim::load_robot(options.file, options.reading));
+  progress.done();
   std::optional<OutputFile> drawn, urdf;
   if (!options.urdf.empty()) urdf = KAZ_TRY(OutputFile::open(options.urdf, "--urdf"));
   if (!options.picture.empty()) drawn = KAZ_TRY(OutputFile::open(options.picture, "--picture"));
   std::vector<std::string> written;
-  if (options.write) written = KAZ_TRY(write_starter_files(robot, options.file));
+  std::string board_file;
+  if (options.write) {
+    written = KAZ_TRY(write_starter_files(robot, options.file));
+    board_file = KAZ_TRY(write_board_file(options.file, limits_for_board(robot)));
+  }
   if (options.json)
     print_json(json_of(robot, options));
   else
@@ -151,11 +163,14 @@ Result<void> check_robot(const CheckRobotOptions& options) {
     if (!options.json) print_lines("wrote %s; correct its values for your robot\n", name.c_str());
   if (urdf) KAZ_TRY(write_urdf(robot, *urdf));
   if (urdf && !options.json) print_lines("URDF: %s\n", options.urdf.c_str());
+  if (!board_file.empty() && !options.json) print_lines("%s\n", board_file.c_str());
   if (!drawn) return {};
+  progress.update(0.5, "drawing");
   const auto image = KAZ_TRY(robot_picture(robot, kPictureWidth));
   const auto png = KAZ_TRY(
       picture::encode_png({.width = image.width, .height = image.height, .samples = image.rgb}));
   KAZ_TRY(drawn->write({reinterpret_cast<const char*>(png.data()), png.size()}));
+  progress.done();
   if (!options.json) print_lines("picture: %s\n", options.picture.c_str());
   return {};
 }

@@ -132,7 +132,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"escape", "<visual name=\"pelvis\">", "<visual name=\"pel&#x1b;[2Jvis\">", 0,
              "the name `pel\\x1b[2Jvis` of <visual>"},
         Case{"no_mesh", "<box size=\"0.05 0.084 0.02\"/>", "<mesh filename=\"pelvis.stl\"/>", 0,
-             "mesh `pelvis.stl` cannot be read (No such file or directory); check the path"},
+             "mesh `pelvis.stl` cannot be read (No such file or directory); check the path, add a "
+             "folder to KAZ_MESH_PATH, or give --skip-missing-meshes"},
         Case{"mesh_of_another_kind", "<box size=\"0.05 0.084 0.02\"/>",
              "<mesh filename=\"pelvis.blend\"/>", 0,
              "mesh `pelvis.blend` is not .obj, .stl or .dae"},

@@ -129,7 +129,9 @@ std::optional<std::string> mesh_error(const std::string& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending != ".obj" && ending != ".stl" && ending != ".dae") return "is not .obj, .stl or .dae";
-  const auto read = read_whole_file(path, kMaxMeshBytes);
+  const auto read = read_whole_file(
+      path, kMaxMeshBytes,
+      "check the path, add a folder to KAZ_MESH_PATH, or give --skip-missing-meshes");
   if (!read) return read.error().message.substr(path.size() + 2);
   const std::string& bytes = *read;
   if (ending == ".stl") return stl_error(bytes);

@@ -130,6 +130,40 @@ TEST(RobotVerb, OtherVerbsListOrRejectWhatKazDoesNotUse) {
   EXPECT_EQ(bus.exit_code, 2) << bus.err;
 }
 
+// A joint of the lamp; the servo board has 18 channels, and permits less than 2 rad in channel 0.
+std::string wide_joint(int number) {
+  const std::string name = "arm" + std::to_string(number);
+  return "<link name='" + name +
+         "'><inertial><mass value='0.01'/><inertia ixx='1e-5' iyy='1e-5' izz='1e-5'/></inertial>"
+         "</link>\n<joint name='j" +
+         std::to_string(number) + "' type='continuous'><parent link='world'/><child link='" + name +
+         "'/><axis xyz='0 0 1'/></joint>\n";
+}
+
+TEST(RobotVerb, WritesARobotThatTheServoBoardCanDrive) {
+  const TemporaryFolder folder;
+  std::string wide = "<robot name='lamp'>\n<link name='world'/>\n";
+  for (int i = 0; i < 20; ++i) wide += wide_joint(i);
+  write_file(folder / "lamp.urdf", wide + "</robot>\n");
+  const auto stand = [&](const std::string& file) {
+    return run(
+        kaz({"run", "stand", "--robot-file", folder / file, "--mcu", "native", "--eyes", "none"}));
+  };
+  const Finished written = run(kaz({"robot", "check", folder / "lamp.urdf", "--write"}));
+  EXPECT_NE(written.out.find("permitted limits of joints: 20; use lamp.board.urdf"),
+            std::string::npos)
+      << written.out;
+  EXPECT_NE(written.out.find("; fixed: j18, j19\n"), std::string::npos) << written.out;
+  EXPECT_EQ(stand("lamp.urdf").exit_code, 2);
+  const Finished stands = stand("lamp.board.urdf");
+  EXPECT_EQ(stands.exit_code, 0) << stands.out << stands.err;
+  const auto board =
+      parse_json(run(kaz({"robot", "check", folder / "lamp.board.urdf", "--json"})).out);
+  EXPECT_EQ(board["joints"].size(), 18u);
+  EXPECT_NEAR(board["joints"][0]["upper_rad"].get<double>(), 1.5708, 1e-3);
+  EXPECT_EQ(board["missing"]["simulation with a servo board"], "");
+}
+
 TEST(RobotVerb, OptionsOfMeshesNeedARobotFile) {
   for (const char* option : {"--mesh-collision=box", "--skip-missing-meshes"}) {
     const Finished alone = run(kaz({"run", "stand", option}));
