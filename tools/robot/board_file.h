@@ -7,7 +7,7 @@
 
 #include "shared/base/result.hpp"
 #include "sim/body/description/robot_model.h"
-#include "sim/body/description/urdf_limits.h"
+#include "sim/body/description/limited_urdf.h"
 
 namespace kaz::tools {
 

@@ -257,39 +257,45 @@ Touch Contacts::contact_of(std::size_t a, std::size_t b) const {
   return touch;
 }
 
-// A hull on a plane. ODE would take the first four vertices below the plane, which may lie on one side. These
-// four span the area: the deepest vertex, the farthest from it, and the farthest on both sides of their line.
+// Adds the contact points of deep_ that span the area.
+void Contacts::add_spanning(Touch touch) {
+  if (deep_.empty()) return;
+  for (const int i : spanning_points(deep_, touch.normal)) {
+    if (i < 0) continue;
+    touch.at = deep_[static_cast<std::size_t>(i)].first;
+    touch.depth = deep_[static_cast<std::size_t>(i)].second;
+    touches_.push_back(touch);
+  }
+}
+
+// A hull on a plane. ODE would take the first four vertices below the plane, which may lie on one side.
 void Contacts::rest(std::size_t number, const ContactModel::Plane& plane) {
   const ConvexHull& hull = *model_->geoms()[number].hull;
   const Eigen::Matrix3d& turn = axes(number);
   const Eigen::Vector3d& origin = at(number);
-  below_.clear();
+  deep_.clear();
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Eigen::Vector3d point = origin + turn * hull.point(i);
     const double depth = plane.offset - plane.normal.dot(point);
-    if (depth >= 0) below_.emplace_back(point, depth);
+    if (depth >= 0) deep_.emplace_back(point, depth);
   }
-  if (below_.empty()) return;
-  const auto farthest = [this](const auto& measure) {
-    return std::ranges::max_element(below_, {}, [&](const auto& one) { return measure(one); });
+  Touch touch = contact_of(number, plane.geom);
+  touch.normal = plane.normal;
+  add_spanning(touch);
+}
+
+// Two polyhedra, one of them a hull, that touch with about this normal. ODE finds only one point of them, on
+// which nothing can stand. False: they do not touch with a face.
+bool Contacts::touch_faces(std::size_t a, std::size_t b, double depth, Eigen::Vector3d normal) {
+  const Geom &geom_a = model_->geoms()[a], &geom_b = model_->geoms()[b];
+  const auto solid = [this](const Geom& geom, std::size_t number) {
+    return Polyhedron{geom.hull.get(), geom.half, axes(number), at(number)};
   };
-  const auto first = farthest([](const auto& one) { return one.second; });
-  const auto second =
-      farthest([&](const auto& one) { return (one.first - first->first).squaredNorm(); });
-  const Eigen::Vector3d across = plane.normal.cross(second->first - first->first);
-  const auto side = [&](const auto& one) { return across.dot(one.first - first->first); };
-  const auto left = farthest(side);
-  const auto right = farthest([&](const auto& one) { return -side(one); });
-  std::vector<std::ptrdiff_t> chosen;
-  for (const auto& one : {first, second, left, right}) {
-    if (std::ranges::count(chosen, one - below_.begin()) > 0) continue;
-    chosen.push_back(one - below_.begin());
-    Touch touch = contact_of(number, plane.geom);
-    touch.at = one->first;
-    touch.normal = plane.normal;
-    touch.depth = one->second;
-    touches_.push_back(touch);
-  }
+  if (!face_contact(solid(geom_a, a), solid(geom_b, b), depth, normal, deep_)) return false;
+  Touch touch = contact_of(a, b);
+  touch.normal = normal;
+  add_spanning(touch);
+  return true;
 }
 
 void Contacts::touch(std::size_t a, std::size_t b) {
@@ -297,6 +303,13 @@ void Contacts::touch(std::size_t a, std::size_t b) {
   const int count = dCollide(placed(of_a_, a), placed(of_b_, b), kContactsPerPair, found.data(),
                              sizeof(dContactGeom));
   if (count == 0) return;
+  const Geom &geom_a = model_->geoms()[a], &geom_b = model_->geoms()[b];
+  const auto has_faces = [](const Geom& geom) {
+    return geom.hull || geom.kind == Shape::Kind::box;
+  };
+  if ((geom_a.hull || geom_b.hull) && has_faces(geom_a) && has_faces(geom_b) &&
+      touch_faces(a, b, found[0].depth, to_eigen(found[0].normal)))
+    return;
   Touch touch = contact_of(a, b);
   for (int i = 0; i < count; ++i) {
     const dContactGeom& point = found[static_cast<std::size_t>(i)];

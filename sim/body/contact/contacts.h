@@ -4,9 +4,9 @@
 // Broad phase: each link or object has one bounding sphere. A pair of two spheres, or of a sphere and a
 // plane, is skipped if the distance is too large for a contact. No tree or grid is needed, because a scene
 // has few shapes. The pairs of robot links that can collide are listed in advance. The narrow phase uses
-// ODE's colliders. For two boxes, this class first tests whether a face normal of either box is a separating
-// axis (Gottschalk et al., SIGGRAPH 1996). If a separating axis is found, the boxes do not touch, and ODE is
-// not called. Pairs of fixed or sleeping bodies are skipped.
+// ODE's colliders, and hull_contact.h for the faces of hulls. For two boxes, this class first tests whether
+// a face normal of either box is a separating axis (Gottschalk et al., SIGGRAPH 1996). If a separating axis
+// is found, the boxes do not touch, and ODE is not called. Pairs of fixed or sleeping bodies are skipped.
 //
 // A Contacts object is working memory. Only hints are kept from step to step; hints save time but do not
 // change results. Therefore each thread has one Contacts object for all its worlds, and the object stays in
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "sim/body/contact/contact_model.h"
+#include "sim/body/contact/hull_contact.h"
 #include "sim/body/contact/ode_handles.h"
 
 namespace kaz::sim {
@@ -99,6 +100,8 @@ class Contacts {
   Touch contact_of(std::size_t a, std::size_t b) const;
   void rest(std::size_t hull, const ContactModel::Plane& plane);
   void touch(std::size_t a, std::size_t b);
+  bool touch_faces(std::size_t a, std::size_t b, double depth, Eigen::Vector3d normal);
+  void add_spanning(Touch touch);
 
   const ContactModel* model_ = nullptr;
   std::vector<Touch> touches_;
@@ -111,8 +114,7 @@ class Contacts {
   bool robot_moves_ = false;
   std::array<Hint, 256> hints_{};
   OdeShapes of_a_, of_b_;
-  std::vector<std::pair<Eigen::Vector3d, double>>
-      below_;  // vertices of a hull below a plane, with depths
+  std::vector<DeepPoint> deep_;  // corners of a contact area
 };
 
 }  // namespace kaz::sim

@@ -264,22 +264,34 @@ TEST_P(JudgedMotion, FallsAndLands) {
   EXPECT_LT(off_from(fall.ours, link.com, 1, expected), kAgrees * kDrop);
 }
 
+// A floor that is the top of a box.
+WorldBody table_of(const Surface& surface) {
+  WorldBody table = test::thing(test::box("table", 1, {2, 2, 0.2}, surface), {0, 0, -0.1});
+  table.fixed = true;
+  return table;
+}
+
 TEST_P(JudgedMotion, Slides) {
   ASSERT_GT(stand_.stability, 0) << "the link has no face to stand on";
   const double mu = std::min(0.1, stand_.stability / 2);
   const RigidLink link = standing_link(mu);
   const double speed = std::sqrt(2 * mu * kG * kSlide);
-  WorldModel around = test::floor_of({.mu = mu}, {0, 0, -kG});
-  around.bodies.push_back(test::thing(link, standing_com(link) - link.com));
-  const Judged slide = judge(around, test::fixed_place(), link, kSliding,
-                             {.pushes = {}, .velocity = speed * Vector3d::UnitX()});
   const auto expected = [&](double t) -> Vector3d {
     const double left = std::max(0.0, speed - mu * kG * t);
     return standing_com(link) + Vector3d((speed * speed - left * left) / (2 * mu * kG), 0, 0);
   };
   const double end = std::min(1.0, speed / (mu * kG));
-  EXPECT_LT(off_from(slide.ours, link.com, 1, expected),
-            kAgrees * (expected(end) - standing_com(link)).norm());
+  const double bound = kAgrees * (expected(end) - standing_com(link)).norm();
+  const Start start{.pushes = {}, .velocity = speed * Vector3d::UnitX()};
+  WorldModel around = test::floor_of({.mu = mu}, {0, 0, -kG});
+  around.bodies.push_back(test::thing(link, standing_com(link) - link.com));
+  const Judged slide = judge(around, test::fixed_place(), link, kSliding, start);
+  EXPECT_LT(off_from(slide.ours, link.com, 1, expected), bound);
+  around.bodies[0] = table_of({.mu = mu});
+  const auto on_table = make_world(around, test::fixed_place(), test::free_motor(), {});
+  ASSERT_TRUE(on_table);
+  EXPECT_LT(off_from(moved(**on_table, link.name, start), link.com, 1, expected), bound)
+      << "on a table";
 }
 
 // An axis through the frame's origin, or 5 cm beside the center of mass if that is near the origin.

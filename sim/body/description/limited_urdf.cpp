@@ -1,6 +1,6 @@
 // Writes a URDF with other joint limits.
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/body/description/urdf_limits.h"
+#include "sim/body/description/limited_urdf.h"
 
 #include <string_view>
 
