@@ -115,7 +115,7 @@ Result<MjcfSource> MjcfSource::load(const XmlFile& file) {
 
 FileNote MjcfSource::note(const Element& e, const std::string& what) const {
   const MjcfOrigin& at = origin(e);
-  return {at.line, what, at.path == path_ ? std::string() : at.path};
+  return {.line = at.line, .what = what, .path = at.path == path_ ? std::string() : at.path};
 }
 
 void MjcfSource::read_classes(const Element& section, const std::string& parent) {
