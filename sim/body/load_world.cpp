@@ -95,8 +95,14 @@ Result<void> check_passive_joints(const WorldModel& world) {
   return {};
 }
 
-// ODE's hinges measure angles within half a turn.
+// ODE's hinges turn, and measure angles within half a turn.
 Result<void> check_hinges(const RobotModel& robot) {
+  for (const RobotJoint& joint : robot.joints) {
+    if (joint.pinion_m > 0)
+      return fail(Fault::usage, "joint `" + joint.name +
+                                    "` is prismatic, which only --dynamics reduced supports; "
+                                    "leave out --dynamics");
+  }
   constexpr double kLargestLimit = 3.1;  // rad; the stop is one degree beyond the limit
   for (const RobotJoint& joint : robot.joints) {
     if (joint.lower >= -kLargestLimit && joint.upper <= kLargestLimit) continue;

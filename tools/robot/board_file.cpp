@@ -36,7 +36,9 @@ std::vector<sim::JointRange> limits_for_board(const sim::RobotModel& robot) {
       changed.push_back({joint.name, 0, 0});
       continue;
     }
-    if (lower > joint.lower || upper < joint.upper) changed.push_back({joint.name, lower, upper});
+    const double unit = joint.pinion_m > 0 ? joint.pinion_m : 1;
+    if (lower > joint.lower || upper < joint.upper)
+      changed.push_back({joint.name, unit * lower, unit * upper});
     ++channel;
   }
   return changed;

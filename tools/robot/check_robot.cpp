@@ -91,6 +91,10 @@ void print(const sim::RobotModel& robot, const CheckRobotOptions& options) {
                 limit_text(joint.velocity, "%.3g").c_str(),
                 limit_text(joint.effort, "%.3g").c_str());
   for (const sim::RobotJoint& joint : robot.joints)
+    if (joint.pinion_m > 0)
+      print_lines("%s is prismatic: its servo turns a pinion, %.4g m per rad\n", joint.name.c_str(),
+                  joint.pinion_m);
+  for (const sim::RobotJoint& joint : robot.joints)
     if (joint.follows)
       print_lines("%s = %g * %s %+g rad (no motor)\n", joint.name.c_str(), joint.follows->ratio,
                   leader_of(robot, joint).c_str(), joint.follows->offset);
@@ -115,6 +119,7 @@ Json json_of(const sim::RobotModel& robot, const CheckRobotOptions& options) {
                       {"effort_nm", limit_json(joint.effort)},
                       {"damping_nms", joint.damping},
                       {"friction_nm", joint.friction},
+                      {"meters_per_rad", joint.pinion_m > 0 ? Json(joint.pinion_m) : Json()},
                       {"follows", follows_json(robot, joint)}});
   for (const sim::RobotLink& link : robot.links)
     links.push_back({{"name", link.rigid.name},

@@ -21,7 +21,7 @@ std::vector<sim::ros::NamedPose> JointPoses::at(std::span<const double, KZ_JOINT
     const double angle =
         coupling.ratio * angles[static_cast<std::size_t>(coupling.joint)] + coupling.offset;
     const Eigen::Vector3d axis = link.at_zero.linear().transpose() * joint.axis;
-    links[i].rotate(Eigen::AngleAxisd(angle, axis));
+    links[i] = links[i] * sim::joint_motion(joint, axis, angle);
   }
   if (!hangs_) {
     const Eigen::Isometry3d root = standing(links);

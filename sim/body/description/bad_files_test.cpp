@@ -162,8 +162,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"degrees", "<limit lower=\"-1.5707\" upper=\"1.5707\"",
              "<limit lower=\"-1.5707\" upper=\"180\"", 0,
              "is 180 rad; limits are from -100 to 100 rad"},
-        Case{"prismatic", "<joint name=\"neck_pan\" type=\"revolute\">",
-             "<joint name=\"neck_pan\" type=\"prismatic\">", 0, "type \"prismatic\""},
+        Case{"planar", "<joint name=\"neck_pan\" type=\"revolute\">",
+             "<joint name=\"neck_pan\" type=\"planar\">", 0, "type \"planar\""},
         Case{"not_wired", "<link name=\"left_eye\"/>\n  <joint name=\"left_eye\" type=\"fixed\">",
              "<link name=\"left_eye\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
              "izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>\n"

@@ -41,11 +41,16 @@ const char* const kWalker = R"(<mujoco model="walker">
   <body name="hand" pos="0 0 -0.1" zaxis="1 2 3"><joint name="elbow" ref="25" axis="1 0 0"/>
    <inertial pos="0.01 0 0" mass="0.07" fullinertia="2e-4 3e-4 4e-4 1e-5 2e-5 3e-5"/>
    <body name="finger" pos="0.02 0 0"><joint name="follower" range="-80 80" ref="5"/>
-    <geom fromto="0 0 0 0 0 0.03"/></body>
+    <geom fromto="0 0 0 0 0 0.03"/>
+    <body name="tip_a" pos="0 0 0.03"><joint name="slide_a" type="slide" axis="1 0 0.2" range="-0.02 0.06"
+     ref="0.01" pos="0.1 0 0"/><geom type="sphere" size="0.01"/></body>
+    <body name="tip_b" pos="0 0 0.04"><joint name="slide_b" type="slide" axis="-1 0 0" range="-0.1 0.1"/>
+     <geom type="sphere" size="0.01"/></body></body>
   </body>
  </body>
 </body></worldbody>
-<equality><joint joint1="follower" joint2="elbow" polycoef="0.1 -0.5 0 0 0"/></equality>
+<equality><joint joint1="follower" joint2="elbow" polycoef="0.1 -0.5 0 0 0"/>
+<joint joint1="slide_b" joint2="slide_a" polycoef="0.002 0.8 0 0 0"/></equality>
 <actuator><motor joint="shoulder" gear="3" ctrllimited="true" ctrlrange="-1 0.5"/>
 <position joint="elbow" kp="4" forcelimited="true" forcerange="-2 1.5"/></actuator>
 </mujoco>)";
@@ -173,7 +178,7 @@ std::vector<Eigen::Isometry3d> link_poses(const RobotModel& robot,
                joint = static_cast<std::size_t>(link.joint);
     const Eigen::Vector3d axis = link.at_zero.linear().transpose() * robot.joints[joint].axis;
     poses.push_back(poses[parent] * robot.links[parent].at_zero.inverse() * link.at_zero *
-                    Eigen::AngleAxisd(angles[joint], axis));
+                    joint_motion(robot.joints[joint], axis, angles[joint]));
   }
   return poses;
 }
@@ -185,10 +190,16 @@ Eigen::Isometry3d pose_of_numbers(const mjtNum* position, const mjtNum* rotation
   return pose;
 }
 
+// From rad to the unit of the file: m for a prismatic joint.
+double unit_of(const RobotJoint& joint) {
+  return joint.pinion_m > 0 ? joint.pinion_m : 1;
+}
+
 void compare_joints(const RobotModel& robot, const mjModel& model, const mjData& data) {
-  int hinges = 0;
-  for (int j = 0; j < model.njnt; ++j) hinges += model.jnt_type[j] == mjJNT_HINGE;
-  EXPECT_EQ(static_cast<int>(robot.joints.size()), hinges);
+  int joints = 0;
+  for (int j = 0; j < model.njnt; ++j)
+    joints += model.jnt_type[j] == mjJNT_HINGE || model.jnt_type[j] == mjJNT_SLIDE;
+  EXPECT_EQ(static_cast<int>(robot.joints.size()), joints);
   int last = -1;
   for (const RobotJoint& joint : robot.joints) {
     const int j = mj_name2id(&model, mjOBJ_JOINT, joint.name.c_str());
@@ -197,13 +208,14 @@ void compare_joints(const RobotModel& robot, const mjModel& model, const mjData&
       EXPECT_GT(j, last) << "order of " << joint.name;
     }
     last = j;
+    const double unit = unit_of(joint);
     EXPECT_EQ(std::isfinite(joint.lower), model.jnt_limited[j] != 0) << joint.name;
     if (model.jnt_limited[j]) {
-      EXPECT_NEAR(joint.lower, model.jnt_range[2 * j], kExact) << joint.name;
-      EXPECT_NEAR(joint.upper, model.jnt_range[2 * j + 1], kExact) << joint.name;
+      EXPECT_NEAR(joint.lower * unit, model.jnt_range[2 * j], kExact) << joint.name;
+      EXPECT_NEAR(joint.upper * unit, model.jnt_range[2 * j + 1], kExact) << joint.name;
     }
-    EXPECT_NEAR(joint.damping, model.dof_damping[model.jnt_dofadr[j]], kExact);
-    EXPECT_NEAR(joint.friction, model.dof_frictionloss[model.jnt_dofadr[j]], kExact);
+    EXPECT_NEAR(joint.damping / (unit * unit), model.dof_damping[model.jnt_dofadr[j]], kExact);
+    EXPECT_NEAR(joint.friction / unit, model.dof_frictionloss[model.jnt_dofadr[j]], kExact);
     const Eigen::Map<const Eigen::Vector3d> axis(data.xaxis + 3 * j);
     EXPECT_LT((joint.axis - axis).cwiseAbs().maxCoeff(), kExact) << joint.name;
   }
@@ -258,7 +270,8 @@ TEST_P(JudgedMjcf, AgreesWithLibmujoco) {
     }
     for (std::size_t i = 0; i < angles.size(); ++i)
       data->qpos[model->jnt_qposadr[mj_name2id(model.get(), mjOBJ_JOINT,
-                                               robot->joints[i].name.c_str())]] = angles[i];
+                                               robot->joints[i].name.c_str())]] =
+          unit_of(robot->joints[i]) * angles[i];
     mj_kinematics(model.get(), data.get());
     if (number == 0) compare_joints(*robot, *model, *data);
     compare_poses(*robot, *model, *data, angles);

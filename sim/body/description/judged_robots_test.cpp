@@ -37,7 +37,7 @@ std::vector<Eigen::Isometry3d> poses_of(const RobotModel& robot,
                joint = static_cast<std::size_t>(link.joint);
     const Eigen::Vector3d axis = link.at_zero.linear().transpose() * robot.joints[joint].axis;
     poses.push_back(poses[parent] * robot.links[parent].at_zero.inverse() * link.at_zero *
-                    Eigen::AngleAxisd(angles[joint], axis));
+                    joint_motion(robot.joints[joint], axis, angles[joint]));
   }
   return poses;
 }
@@ -54,35 +54,40 @@ std::vector<double> posture(const RobotModel& robot, int number) {
   return angles;
 }
 
-class JudgedRobot : public testing::TestWithParam<std::string> {};
+// From rad to the unit of the file: m for a prismatic joint.
+double unit_of(const RobotJoint& joint) {
+  return joint.pinion_m > 0 ? joint.pinion_m : 1;
+}
 
-TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
-  const auto robot = load_robot(GetParam(), {.skip_missing_meshes = true});
+void judge_robot(const std::string& path) {
+  const auto robot = load_robot(path, {.skip_missing_meshes = true});
   ASSERT_TRUE(robot) << full_text(robot.error());
-  const auto model = urdf::parseURDFFile(GetParam());
+  const auto model = urdf::parseURDFFile(path);
   ASSERT_TRUE(model);
   KDL::Tree tree;
-  ASSERT_TRUE(kdl_parser::treeFromFile(GetParam(), tree));
+  ASSERT_TRUE(kdl_parser::treeFromFile(path, tree));
 
   EXPECT_EQ(robot->joints.size(), tree.getNrOfJoints());
   for (const RobotJoint& joint : robot->joints) {
     const auto other = model->getJoint(joint.name);
     ASSERT_TRUE(other) << joint.name;
+    const double unit = unit_of(joint);
+    EXPECT_EQ(joint.pinion_m > 0, other->type == urdf::Joint::PRISMATIC) << joint.name;
     if (other->type == urdf::Joint::CONTINUOUS) {
       EXPECT_TRUE(std::isinf(joint.lower) && std::isinf(joint.upper)) << joint.name;
     } else {
-      EXPECT_NEAR(joint.lower, other->limits->lower, kAgrees) << joint.name;
-      EXPECT_NEAR(joint.upper, other->limits->upper, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.lower * unit, other->limits->lower, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.upper * unit, other->limits->upper, kAgrees) << joint.name;
     }
     if (other->limits && other->limits->effort > 0) {
-      EXPECT_NEAR(joint.effort, other->limits->effort, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.effort / unit, other->limits->effort, kAgrees) << joint.name;
     }
     if (other->limits && other->limits->velocity > 0) {
-      EXPECT_NEAR(joint.velocity, other->limits->velocity, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.velocity * unit, other->limits->velocity, kAgrees) << joint.name;
     }
     if (other->dynamics) {
-      EXPECT_NEAR(joint.damping, other->dynamics->damping, kAgrees) << joint.name;
-      EXPECT_NEAR(joint.friction, other->dynamics->friction, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.damping / (unit * unit), other->dynamics->damping, kAgrees) << joint.name;
+      EXPECT_NEAR(joint.friction / unit, other->dynamics->friction, kAgrees) << joint.name;
     }
   }
 
@@ -93,7 +98,8 @@ TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
     for (const auto& [name, segment] : tree.getSegments()) {
       const std::string& joint = segment.segment.getJoint().getName();
       for (std::size_t j = 0; j < angles.size(); ++j)
-        if (robot->joints[j].name == joint) q(segment.q_nr) = angles[j];
+        if (robot->joints[j].name == joint)
+          q(segment.q_nr) = unit_of(robot->joints[j]) * angles[j];
     }
     const auto poses = poses_of(*robot, angles);
     double mass = 0;
@@ -119,6 +125,33 @@ TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
     EXPECT_NEAR(robot->mass(), mass, kAgrees);
     EXPECT_LT((own - sum).norm(), kAgrees * mass) << "center of mass in posture " << number;
   }
+}
+
+class JudgedRobot : public testing::TestWithParam<std::string> {};
+
+TEST_P(JudgedRobot, AgreesWithUrdfdomAndKdl) {
+  judge_robot(GetParam());
+}
+
+TEST(JudgedGripper, AgreesWithUrdfdomAndKdl) {
+  const std::string mass =
+      "<inertial><origin xyz='0 0.01 0.02'/><mass value='0.1'/><inertia ixx='1e-4' iyy='1e-4' "
+      "izz='1e-4' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+  const test::Folder folder;
+  judge_robot(folder.write(
+      "gripper.urdf",
+      "<robot name='gripper'><link name='world'/><link name='hand'>" + mass + "<link name='left'>" +
+          mass + "<link name='right'>" + mass +
+          "<joint name='wrist' type='revolute'><parent link='world'/><child link='hand'/>"
+          "<origin xyz='0 0 0.3' rpy='0.2 0.1 0'/><axis xyz='0 0 1'/>"
+          "<limit lower='-1' upper='1' effort='2' velocity='3'/></joint>"
+          "<joint name='open' type='prismatic'><parent link='hand'/><child link='left'/>"
+          "<origin xyz='0 0.01 0.1' rpy='0.3 0 0.5'/><axis xyz='0 3 4'/>"
+          "<limit lower='-0.01' upper='0.04' effort='20' velocity='0.2'/>"
+          "<dynamics damping='5' friction='0.3'/></joint>"
+          "<joint name='close' type='prismatic'><parent link='hand'/><child link='right'/>"
+          "<origin xyz='0 -0.01 0.1'/><axis xyz='0 -1 0'/>"
+          "<limit lower='-0.01' upper='0.05' effort='20' velocity='0.2'/></joint></robot>"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, JudgedRobot, testing::ValuesIn(test::robot_files()),

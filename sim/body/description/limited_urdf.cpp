@@ -29,7 +29,7 @@ void set_limits(tinyxml2::XMLElement& joint, const JointRange& range) {
         joint.DeleteChild(child);
     return;
   }
-  joint.SetAttribute("type", "revolute");
+  if (joint.Attribute("type", "prismatic") == nullptr) joint.SetAttribute("type", "revolute");
   if (limit == nullptr) limit = joint.InsertNewChildElement("limit");
   limit->SetAttribute("lower", range.lower);
   limit->SetAttribute("upper", range.upper);

@@ -43,7 +43,7 @@ void MjcfJoints::object(int joint, const std::string& text) {
 void MjcfJoints::finish(RobotModel& robot) {
   std::map<int, int> number;  // index into robot.joints by joint of the model
   for (int joint = 0; joint < model_.njnt; ++joint) {
-    if (model_.jnt_type[joint] != mjJNT_HINGE) continue;
+    if (model_.jnt_type[joint] != mjJNT_HINGE && model_.jnt_type[joint] != mjJNT_SLIDE) continue;
     const auto found = std::ranges::find(robot.joints, name_of(joint), &RobotJoint::name);
     if (name_of(joint).empty() && found != robot.joints.end())
       object(joint, "<joint> has no name; Kaz's joints have names: give it a `name`");
@@ -58,7 +58,7 @@ void MjcfJoints::finish(RobotModel& robot) {
     if (couplings_.contains(joint)) {
       const Coupling coupling = resolved(joint);
       if (number.contains(coupling.leader))
-        out.follows = {number.at(coupling.leader), coupling.ratio, coupling.offset};
+        set_coupling(robot.joints, index, {number.at(coupling.leader), coupling.ratio, coupling.offset});
     } else if (model_.nu > 0 && !force_.contains(joint)) {
       robot.notes.push_back(mjcf_.source.note(
           element_of(joint), "passive motion of joint `" + out.name + "` (it gets a motor)"));
@@ -112,6 +112,7 @@ void MjcfJoints::read_limits(int joint, RobotJoint& out) {
   if (stated && (acts == nullptr || std::string_view(acts) != "false"))
     out.effort = std::min(out.effort, largest_of(stated->data()));
   if (out.effort == 0) out.effort = kNoMjcfLimit;
+  if (out.pinion_m > 0) convert_to_pinion(out);
 }
 
 void MjcfJoints::read_couplings(const std::map<int, int>& number) {
@@ -121,7 +122,7 @@ void MjcfJoints::read_couplings(const std::map<int, int>& number) {
     if (!number.contains(one)) continue;
     if (two < 0 || !number.contains(two))
       object(one, "joint `" + name_of(one) +
-                      "` is coupled to no hinge of the robot; remove the joint, or give `joint2`");
+                      "` is coupled to no joint of the robot; remove the joint, or give `joint2`");
     else
       couple(equality, one, two);
   }

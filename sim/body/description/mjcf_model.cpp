@@ -68,6 +68,9 @@ class MjcfReader {
   int joint_of(int body) const {
     return model_.body_jntnum[body] > 0 ? model_.body_jntadr[body] : -1;
   }
+  bool moves(int joint) const {  // a hinge or a slide
+    return model_.jnt_type[joint] == mjJNT_HINGE || model_.jnt_type[joint] == mjJNT_SLIDE;
+  }
   bool is_free(int body) const {
     return joint_of(body) >= 0 && model_.jnt_type[joint_of(body)] == mjJNT_FREE;
   }
@@ -82,7 +85,7 @@ class MjcfReader {
       top[i] =
           model_.body_parentid[b] == 0 ? b : top[static_cast<std::size_t>(model_.body_parentid[b])];
       for (int j = 0; j < model_.body_jntnum[b]; ++j)
-        if (model_.jnt_type[model_.body_jntadr[b] + j] == mjJNT_HINGE)
+        if (moves(model_.body_jntadr[b] + j))
           has_hinge[static_cast<std::size_t>(top[i])] = true;
     }
     std::vector<int> roots, floating;
@@ -169,29 +172,37 @@ class MjcfReader {
                        " joints; put each of them in a body of its own, with an <inertial>");
     const int number = joint_of(body);
     if (number < 0) return {parent.link, in_link};
-    if (model_.jnt_type[number] != mjJNT_HINGE) {
-      object(body, "body `" + part.name + "` has a " +
-                       (model_.jnt_type[number] == mjJNT_SLIDE ? "slide" : "ball") +
-                       " joint; Kaz has hinges only: remove the joint");
+    if (!moves(number)) {
+      object(body, "body `" + part.name + "` has a ball joint, which is not supported; use hinges");
       return {parent.link, in_link};
     }
-    return hinge(number, part, parent.link, in_link);
+    return link_at(number, part, parent.link, in_link);
   }
 
-  Place hinge(int number, const RigidLink& part, int parent, const Eigen::Isometry3d& in_parent) {
-    const Eigen::Vector3d at_joint = mjcf_vector(model_.jnt_pos + 3 * number),
-                          axis = mjcf_vector(model_.jnt_axis + 3 * number);
-    // The file describes the posture in which each angle is `ref`.
-    const double turned = -model_.qpos0[model_.jnt_qposadr[number]];
+  // The place of a body with a hinge or a slide.
+  Place link_at(int number, const RigidLink& part, int parent,
+                const Eigen::Isometry3d& in_parent) {
+    const Eigen::Vector3d axis = mjcf_vector(model_.jnt_axis + 3 * number);
+    const bool slides = model_.jnt_type[number] == mjJNT_SLIDE;
+    Eigen::Vector3d at_joint = Eigen::Vector3d::Zero();
+    if (!slides) at_joint = mjcf_vector(model_.jnt_pos + 3 * number);
+    // The file describes the posture in which each coordinate is `ref`.
+    const double back = -model_.qpos0[model_.jnt_qposadr[number]];
+    Eigen::Isometry3d to_zero = Eigen::Isometry3d::Identity();
+    if (slides)
+      to_zero.translation() = back * axis;
+    else
+      to_zero.linear() = Eigen::AngleAxisd(back, axis).toRotationMatrix();
     RobotLink link;
     link.parent = parent;
     link.joint = static_cast<int>(robot_.joints.size());
     link.at_zero = robot_.links[static_cast<std::size_t>(parent)].at_zero * in_parent *
-                   Eigen::Translation3d(at_joint) * Eigen::AngleAxisd(turned, axis);
+                   Eigen::Translation3d(at_joint) * to_zero;
     RobotJoint joint;
     joint.name = model_.names + model_.name_jntadr[number];
     joint.child = static_cast<int>(robot_.links.size());
     joint.axis = link.at_zero.linear() * axis;
+    if (slides) joint.pinion_m = pinion_of(number);
     link.rigid.name = part.name;
     if (!at_joint.isZero(0)) {
       link.rigid.name += "_at_" + joint.name;
@@ -202,6 +213,12 @@ class MjcfReader {
     robot_.links.push_back(std::move(link));
     return {static_cast<int>(robot_.links.size()) - 1,
             Eigen::Isometry3d(Eigen::Translation3d(-at_joint))};
+  }
+
+  double pinion_of(int slide) const {
+    const bool limited = model_.jnt_limited[slide] != 0;
+    const double* range = model_.jnt_range + 2 * slide;
+    return limited ? pinion_radius(range[0], range[1]) : pinion_radius(0, 0);
   }
 
   void add_sites() {

@@ -93,10 +93,9 @@ TEST_F(MjcfFile, RefusesClosedLoopsAndNamesTheCouplingThatCanReplaceThem) {
   EXPECT_PART(errors(robot), "fixed `t` in <tendon> is not supported: state how the joints turn");
 }
 
-TEST_F(MjcfFile, RefusesWhatIsNoChainOfHinges) {
+TEST_F(MjcfFile, RefusesJointsWithSeveralDegreesOfFreedom) {
   for (const auto& [joint, message] : std::vector<std::pair<std::string, std::string>>{
-           {"name='j' type='slide'", ":4: body `arm` has a slide joint; Kaz has hinges only"},
-           {"name='j' type='ball'", ":4: body `arm` has a ball joint; Kaz has hinges only"},
+           {"name='j' type='ball'", ":4: body `arm` has a ball joint, which is not supported"},
            {"axis='0 0 1'", ":4: <joint> has no name; Kaz's joints have names"},
            {"name='j'/><joint name='l' axis='1 0 0'", ":4: body `arm` has 2 joints; put each"}}) {
     TwoBodies robot;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "sim/body/description/mesh_check.h"
@@ -74,7 +75,7 @@ class Reader {
     const auto& kaz = joint_names();
     if (std::ranges::is_permutation(joints_, kaz)) joints_.assign(kaz.begin(), kaz.end());
     for (const Element* joint : urdf_.joints) {
-      if (urdf_.turns(*joint) && !urdf_.has_motor(*joint))
+      if (urdf_.moves(*joint) && !urdf_.has_motor(*joint))
         joints_.emplace_back(joint->Attribute("name"));
     }
     robot_.joints.resize(joints_.size());
@@ -100,7 +101,7 @@ class Reader {
     for (const Element* joint : children_[link]) {
       const Eigen::Isometry3d in_link = in_carrier * pose_of(*joint);
       const std::string child = joint->FirstChildElement("child")->Attribute("link");
-      if (!urdf_.turns(*joint)) {
+      if (!urdf_.moves(*joint)) {
         const auto part = KAZ_TRY(rigid_of(child));
         weld(robot_.links[static_cast<std::size_t>(carrier)].rigid, part, in_link);
         robot_.frames[child] = {carrier, in_link};
@@ -124,8 +125,8 @@ class Reader {
 
   Result<void> couple() {
     for (const auto& [name, mimic] : urdf_.mimics)
-      robot_.joints[static_cast<std::size_t>(number_of_joint(name))].follows = {
-          number_of_joint(mimic.joint), mimic.ratio, mimic.offset};
+      set_coupling(robot_.joints, number_of_joint(name),
+                  {number_of_joint(mimic.joint), mimic.ratio, mimic.offset});
     const auto stuck = narrow_for_followers(robot_.joints);
     if (!stuck) return {};
     const RobotJoint& follower = robot_.joints[*stuck];
@@ -160,6 +161,10 @@ class Reader {
     if (const Element* dynamics = joint.FirstChildElement("dynamics")) {
       out.damping = number_of(*dynamics, "damping", 0);
       out.friction = number_of(*dynamics, "friction", 0);
+    }
+    if (joint.Attribute("type", "prismatic") != nullptr) {
+      out.pinion_m = pinion_radius(out.lower, out.upper);
+      convert_to_pinion(out);
     }
     return out;
   }
@@ -332,6 +337,36 @@ Eigen::AlignedBox3d RobotModel::extent() const {
 
 bool RobotModel::is_kaz() const {
   return std::ranges::equal(joint_order(), joint_names());
+}
+
+double pinion_radius(double lower_m, double upper_m) {
+  constexpr double kUnlimited = 0.01;  // m
+  const double range = upper_m - lower_m;
+  return std::isfinite(range) && range > 0 ? range / (std::numbers::pi / 2) : kUnlimited;
+}
+
+void convert_to_pinion(RobotJoint& joint) {
+  const double radius = joint.pinion_m;
+  joint.lower /= radius;
+  joint.upper /= radius;
+  joint.velocity /= radius;
+  joint.effort *= radius;
+  joint.damping *= radius * radius;
+  joint.friction *= radius;
+}
+
+void set_coupling(std::vector<RobotJoint>& joints, int follower, const JointCoupling& coupling) {
+  const auto radius = [](const RobotJoint& joint) { return joint.pinion_m > 0 ? joint.pinion_m : 1; };
+  RobotJoint& joint = joints[static_cast<std::size_t>(follower)];
+  const RobotJoint& leader = joints[static_cast<std::size_t>(coupling.joint)];
+  joint.follows = {coupling.joint, coupling.ratio * (radius(leader) / radius(joint)),
+                   coupling.offset / radius(joint)};
+}
+
+Eigen::Isometry3d joint_motion(const RobotJoint& joint, const Eigen::Vector3d& axis, double angle) {
+  if (joint.pinion_m > 0)
+    return Eigen::Isometry3d(Eigen::Translation3d(joint.pinion_m * angle * axis));
+  return Eigen::Isometry3d(Eigen::AngleAxisd(angle, axis));
 }
 
 std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints) {

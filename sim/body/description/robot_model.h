@@ -51,7 +51,20 @@ struct RobotJoint {
   double damping = 0;   // viscous friction, Nm s/rad
   double friction = 0;  // Coulomb friction, Nm
   std::optional<JointCoupling> follows = std::nullopt;
+  // 0: the joint turns. Otherwise, the joint is prismatic: a pinion of this radius (m) drives a rack along
+  // `axis`. Angle, limits and losses of the joint are those of the pinion.
+  double pinion_m = 0;
 };
+
+// Radius of the pinion that a prismatic joint gets, m: its range is a quarter turn, as of a usual gripper.
+// 10 mm without a range.
+double pinion_radius(double lower_m, double upper_m);
+// Converts the values of a prismatic joint from m and N to the pinion's rad and Nm.
+void convert_to_pinion(RobotJoint& joint);
+// Lets a joint follow another one. `coupling` is in the units of the file: m for prismatic joints.
+void set_coupling(std::vector<RobotJoint>& joints, int follower, const JointCoupling& coupling);
+// Motion of the child link at this angle, in the link's axes. `axis`: unit vector in the same axes.
+Eigen::Isometry3d joint_motion(const RobotJoint& joint, const Eigen::Vector3d& axis, double angle);
 
 // Frame of a link of the file, fixed to a link of the model.
 struct RobotFrame {
@@ -64,7 +77,7 @@ struct RobotModel {
   std::vector<RobotLink> links;  // parents before children; the root is first
   // True if the root link is named `world`. A root link with this name never moves.
   bool fixed_base = false;
-  // Revolute joints. Kaz's joints are in the order of shared/board/joints.def. The joints of another robot
+  // Joints with one degree of freedom. Kaz's joints are in the order of shared/board/joints.def. The joints of another robot
   // are in the order of its file. Joints that follow another joint come after all joints with a motor.
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links

@@ -336,10 +336,10 @@ class Check {
       joints_sound_ = false;
       return object(joint, "<joint> lacks the attribute `type`");
     }
-    if (!urdf_.turns(joint) && std::string(type) != "fixed") {
+    if (!urdf_.moves(joint) && std::string(type) != "fixed") {
       joints_sound_ = false;
       object(joint, "joint `" + name + "` has type \"" + type +
-                        "\"; the supported types are revolute, continuous and fixed");
+                        "\"; the supported types are revolute, continuous, prismatic and fixed");
     }
     const std::string parent = end_of(joint, "parent"), child = end_of(joint, "child");
     const bool fresh = !child.empty() && urdf_.joint_to.emplace(child, &joint).second;
@@ -348,21 +348,26 @@ class Check {
                         urdf_.joint_to.at(child)->Attribute("name") + "`");
     joints_sound_ = joints_sound_ && fresh && !parent.empty();
     if (fresh && !parent.empty()) parent_of_[child] = parent;
-    if (urdf_.turns(joint)) check_turning(joint, name, type);
+    if (urdf_.moves(joint)) check_moving(joint, name, type);
   }
 
-  void check_turning(const Element& joint, const std::string& name, const std::string& type) {
+  void check_moving(const Element& joint, const std::string& name, const std::string& type) {
     const Element* limit = joint.FirstChildElement("limit");
-    if (type == "revolute" && limit == nullptr)
-      object(joint, "joint `" + name + "` lacks <limit>; give limits, or the type continuous");
-    if (type == "revolute" && sound(limit) &&
+    const bool slides = type == "prismatic";
+    if (type != "continuous" && limit == nullptr)
+      object(joint, "joint `" + name + "` lacks <limit>; give limits" +
+                        (slides ? "" : ", or the type continuous"));
+    if (type != "continuous" && sound(limit) &&
         !(number_of(*limit, "lower", 0) < number_of(*limit, "upper", 0)))
       object(*limit, "lower limit of joint `" + name +
-                         "` is not below the upper one; a joint that cannot turn is fixed");
+                         "` is not below the upper one; a joint that cannot move is fixed");
     for (const char* side : {"lower", "upper"}) {
-      if (sound(limit) && std::abs(number_of(*limit, side, 0)) > kLargestTurn)
+      if (sound(limit) &&
+          std::abs(number_of(*limit, side, 0)) > (slides ? kLargest : kLargestTurn))
         object(*limit, std::string(side) + " limit of joint `" + name + "` is " +
-                           limit->Attribute(side) + " rad; limits are from -100 to 100 rad");
+                           limit->Attribute(side) +
+                           (slides ? " m; limits are from -10 to 10 m"
+                                   : " rad; limits are from -100 to 100 rad"));
     }
     for (const char* least : {"effort", "velocity"}) {
       if (sound(limit) && number_of(*limit, least, 0) < 0)
@@ -422,13 +427,13 @@ class Check {
 
 }  // namespace
 
-bool Urdf::turns(const Element& joint) const {
+bool Urdf::moves(const Element& joint) const {
   const std::string type = joint.Attribute("type") == nullptr ? "" : joint.Attribute("type");
-  return type == "revolute" || type == "continuous";
+  return type == "revolute" || type == "continuous" || type == "prismatic";
 }
 
 bool Urdf::has_motor(const Element& joint) const {
-  return turns(joint) && !mimics.contains(joint.Attribute("name"));
+  return moves(joint) && !mimics.contains(joint.Attribute("name"));
 }
 
 Eigen::Matrix3d tensor_of(const Element& inertia) {

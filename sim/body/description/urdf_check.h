@@ -34,8 +34,8 @@ struct Urdf {
   std::map<std::string, Mimic>
       mimics;  // by name of the follower; Mimic::joint does not follow a joint
 
-  bool turns(const tinyxml2::XMLElement& joint) const;  // revolute or continuous
-  // Returns whether the joint turns and does not follow another joint.
+  bool moves(const tinyxml2::XMLElement& joint) const;  // revolute, continuous or prismatic
+  // Returns whether the joint moves and does not follow another joint.
   bool has_motor(const tinyxml2::XMLElement& joint) const;
 };
 

@@ -33,9 +33,9 @@ std::optional<std::string> mimic_error(const Urdf& urdf, const JointsByName& joi
   if (found == joints.end())
     return "joint `" + name + "` follows joint `" + leader +
            "`, which does not exist; check the spelling";
-  if (!urdf.turns(*found->second))
+  if (!urdf.moves(*found->second))
     return "joint `" + name + "` follows joint `" + leader +
-           "`, which does not turn; name a revolute or continuous joint";
+           "`, which does not move; name a joint that is not fixed";
   if (!ratio_in_range(number_of(mimic, "multiplier", 1)))
     return "multiplier of joint `" + name + "` is " + mimic.Attribute("multiplier") +
            "; its magnitude must be 0.001 to 1000";

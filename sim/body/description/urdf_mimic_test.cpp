@@ -94,7 +94,7 @@ TEST_F(MimicJoint, ErrorsNameTheJoint) {
          ":6: joint `j1` follows joint `arm`, which does not exist; check the spelling");
   expect({turning_joint(""), turning_joint("<mimic/>")}, ":6: <mimic> lacks the attribute `joint`");
   expect({turning_joint(""), "type='fixed'>", turning_joint("<mimic joint='j1'/>")},
-         ":8: joint `j2` follows joint `j1`, which does not turn");
+         ":8: joint `j2` follows joint `j1`, which does not move");
   expect({turning_joint(""), "type='fixed'><mimic joint='j0'/>"},
          ":6: joint `j1` is fixed but has <mimic>; remove <mimic>");
   expect({turning_joint(""), turning_joint("<mimic joint='j0' multiplier='0'/>")},
@@ -114,9 +114,8 @@ TEST_F(MimicJoint, ErrorsNameTheJoint) {
          "the product of the multipliers from joint `j2` to joint `j0` is out of range");
   expect({turning_joint(""), turning_joint("<mimic joint='j0' offset='3'/>")},
          ":6: the limits of joint `j1` leave no range to joint `j0`, which it follows");
-  expect(
-      {turning_joint(""), "type='prismatic'>" + std::string(kUsualLimit) + "<mimic joint='j0'/>"},
-      ":6: joint `j1` has type \"prismatic\"");
+  expect({turning_joint(""), "type='planar'>" + std::string(kUsualLimit) + "<mimic joint='j0'/>"},
+         ":6: joint `j1` has type \"planar\"");
 }
 
 // A Kaz with a part that follows one of its joints is a Kaz.

@@ -162,28 +162,36 @@ class UrdfWriter {
     const RobotLink& child = robot_.links[static_cast<std::size_t>(joint.child)];
     const RobotLink& parent = robot_.links[static_cast<std::size_t>(child.parent)];
     const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    const bool slides = joint.pinion_m > 0;
+    const double radius = slides ? joint.pinion_m : 1;  // from rad to the unit of the file
     const auto finite = [](double value) { return exact(std::isfinite(value) ? value : 0); };
-    text_ += "<joint" + attribute_text("name", joint.name) +
-             attribute_text("type", limited ? "revolute" : "continuous") + "><parent" +
+    const char* type = slides ? "prismatic" : limited ? "revolute" : "continuous";
+    text_ += "<joint" + attribute_text("name", joint.name) + attribute_text("type", type) +
+             "><parent" +
              attribute_text("link", parent.rigid.name) + "/><child" +
              attribute_text("link", child.rigid.name) + "/>" +
              origin_text(parent.at_zero.inverse() * child.at_zero) + "<axis" +
              attribute_text("xyz", exact(child.at_zero.linear().transpose() * joint.axis)) +
              "/><limit" +
-             (limited ? attribute_text("lower", exact(joint.lower)) +
-                            attribute_text("upper", exact(joint.upper))
-                      : std::string()) +
-             attribute_text("effort", finite(joint.effort)) +
-             attribute_text("velocity", finite(joint.velocity)) + "/><dynamics" +
-             attribute_text("damping", exact(joint.damping)) +
-             attribute_text("friction", exact(joint.friction)) + "/>";
-    if (joint.follows)
-      text_ += "<mimic" +
-               attribute_text("joint",
-                              robot_.joints[static_cast<std::size_t>(joint.follows->joint)].name) +
-               attribute_text("multiplier", exact(joint.follows->ratio)) +
-               attribute_text("offset", exact(joint.follows->offset)) + "/>";
+             (limited ? attribute_text("lower", exact(joint.lower * radius)) +
+                            attribute_text("upper", exact(joint.upper * radius))
+                      : slides ? attribute_text("lower", "-10") + attribute_text("upper", "10")
+                               : std::string()) +
+             attribute_text("effort", finite(joint.effort / radius)) +
+             attribute_text("velocity", finite(joint.velocity * radius)) + "/><dynamics" +
+             attribute_text("damping", exact(joint.damping / (radius * radius))) +
+             attribute_text("friction", exact(joint.friction / radius)) + "/>";
+    if (joint.follows) add_mimic(*joint.follows, radius);
     text_ += "</joint>\n";
+  }
+
+  // `radius`: of the follower, as in add_joint().
+  void add_mimic(const JointCoupling& coupling, double radius) {
+    const RobotJoint& leader = robot_.joints[static_cast<std::size_t>(coupling.joint)];
+    const double of_leader = leader.pinion_m > 0 ? leader.pinion_m : 1;
+    text_ += "<mimic" + attribute_text("joint", leader.name) +
+             attribute_text("multiplier", exact(coupling.ratio * radius / of_leader)) +
+             attribute_text("offset", exact(coupling.offset * radius)) + "/>";
   }
 
   void add_fixed(const std::string& parent, const std::string& child,

@@ -83,6 +83,7 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
       link.in_parent = in_parent.translation();
       link.at_zero = in_parent.linear();
       link.own_axis = from.at_zero.linear().transpose() * robot.joints[index(from.joint)].axis;
+      link.pinion_m = robot.joints[index(from.joint)].pinion_m;
       link.dof = root_dofs_ + static_cast<int>(i) - 1;
       fixed.dof_of_joint[index(from.joint)] = link.dof;
       const FixedLink& carrier = fixed.links[index(from.parent)];
@@ -100,7 +101,8 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
   velocities();
 }
 
-// Poses from root to leaves, R_i = R_parent R_0 R(axis, angle), and inertias about P: first moment m c,
+// Poses from root to leaves, R_i = R_parent R_0 R(axis, angle). A prismatic joint shifts the origin by
+// pinion_m * angle. Inertias about P: first moment m c,
 // second moment R I R^T + m (c^2 1 - c c^T).
 void ArticulatedTree::place() {
   whole_ = {};
@@ -112,11 +114,17 @@ void ArticulatedTree::place() {
       link.origin.setZero();
     } else {
       const Link& parent = links_[index(own.parent)];
-      link.axes =
-          turned(parent.axes * own.at_zero, own.own_axis, angle[index(own.dof - root_dofs_)]);
+      const double q = angle[index(own.dof - root_dofs_)];
       link.origin = parent.origin + parent.axes * own.in_parent;
-      link.motion.angular = link.axes * own.own_axis;
-      link.motion.linear = link.origin.cross(link.motion.angular);
+      if (own.pinion_m > 0) {
+        link.axes = parent.axes * own.at_zero;
+        link.motion = {Vector3d::Zero(), own.pinion_m * (link.axes * own.own_axis)};
+        link.origin += q * link.motion.linear;
+      } else {
+        link.axes = turned(parent.axes * own.at_zero, own.own_axis, q);
+        link.motion.angular = link.axes * own.own_axis;
+        link.motion.linear = link.origin.cross(link.motion.angular);
+      }
     }
     link.com = link.origin + link.axes * own.own_com;
     link.inertia.mass = own.mass;

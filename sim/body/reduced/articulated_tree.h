@@ -139,6 +139,7 @@ class ArticulatedTree {
     // The link's axes at angle 0, in the parent's axes.
     Eigen::Matrix3d at_zero = Eigen::Matrix3d::Identity();
     Eigen::Vector3d own_axis = Eigen::Vector3d::UnitX();  // joint axis in the link's own axes
+    double pinion_m = 0;  // RobotJoint::pinion_m
     double mass = 0;
     // Center of mass in the link's own axes.
     Eigen::Vector3d own_com = Eigen::Vector3d::Zero();

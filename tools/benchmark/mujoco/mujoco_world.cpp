@@ -31,10 +31,12 @@ Result<std::unique_ptr<World>> MujocoWorld::make(const WorldModel& world, const 
                                                  const MotorParams& motor,
                                                  const WorldOptions& options,
                                                  MujocoSettings settings) {
-  if (robot.motors() != robot.joints.size() || !world.joints.empty())
+  const bool slides = std::ranges::any_of(
+      robot.joints, [](const RobotJoint& joint) { return joint.pinion_m > 0; });
+  if (slides || robot.motors() != robot.joints.size() || !world.joints.empty())
     return fail(Fault::usage,
-                "the MuJoCo model has no joints that follow others, and no joints of worlds; give "
-                "a robot and a world without them");
+                "the MuJoCo model has no prismatic joints, no joints that follow others, and no "
+                "joints of worlds; give a robot and a world without them");
   std::unique_ptr<MujocoWorld> made(new MujocoWorld(world, robot, motor, options));
   KAZ_TRY(made->compile(world, robot, settings));
   return made;
