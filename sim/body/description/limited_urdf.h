@@ -9,7 +9,8 @@
 
 namespace kaz::sim {
 
-// New limits of a joint, rad; of a prismatic joint, m. A joint whose `lower` is not below `upper` becomes fixed.
+// New limits of a joint, rad; of a prismatic joint, m. A joint whose `lower` is not below `upper` becomes
+// fixed.
 struct JointRange {
   std::string joint;
   double lower = 0, upper = 0;
