@@ -77,8 +77,9 @@ struct RobotModel {
   std::vector<RobotLink> links;  // parents before children; the root is first
   // True if the root link is named `world`. A root link with this name never moves.
   bool fixed_base = false;
-  // Joints with one degree of freedom. Kaz's joints are in the order of shared/board/joints.def. The joints of
-  // another robot are in the order of its file. Joints that follow another joint come after all joints with a motor.
+  // Joints with one degree of freedom. Kaz's joints are in the order of shared/board/joints.def. The joints
+  // of another robot are in the order of its file. Joints that follow another joint come after all joints
+  // with a motor.
   std::vector<RobotJoint> joints;
   std::map<std::string, RobotFrame> frames;  // by link name, including merged links
 
