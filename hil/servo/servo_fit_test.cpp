@@ -38,6 +38,34 @@ TEST(ServoFits, PredictWhatTheyHaveNotSeenBetterWithLoad) {
   EXPECT_TRUE(open.contains("stribeck_power")) << "no servo of the truth has such a power";
 }
 
+// Delay, slew limit, lag, coasting friction and zeros that the generator has.
+TEST(ServoFits, FindThePlantedEffects) {
+  truth::Planted planted{0.0234, 4.9, 0.007, 0.08, 0.05, true};
+  std::vector<ServoLog> logs;
+  for (const Motion motion :
+       {Motion::two_sines, Motion::lift_and_drop, Motion::steps, Motion::sine_of_square}) {
+    for (const double gain : {1.0, 0.5, 0.25}) {
+      planted.zero = 0.05;
+      logs.push_back(log_of(truth::swing(3, motion, 1, gain, 6, planted)));
+      planted.zero = -0.03;
+      logs.push_back(log_of(truth::swing(3, motion, 0.5, gain, 6, planted)));
+    }
+  }
+  ServoFitOptions options;
+  options.models = {1, 3};
+  const auto fits = fit_servo(logs, {}, options);
+  ASSERT_TRUE(fits) << fits.error().message;
+  const ServoFit& fit = fits->back();
+  EXPECT_NEAR(fit.params.delay, 0.0234, 0.05 * 0.0234);
+  EXPECT_NEAR(fit.params.slew, 4.9, 0.05 * 4.9);
+  EXPECT_NEAR(fit.params.lag, 0.007, 0.05 * 0.007);
+  EXPECT_NEAR(fit.params.coasting, 0.08, 0.05 * 0.08);
+  ASSERT_EQ(fit.zeros.size(), 2u);
+  EXPECT_NEAR(fit.zeros[0].zero_rad, 0.05, 0.05 * 0.05);
+  EXPECT_NEAR(fit.zeros[1].zero_rad, -0.03, 0.05 * 0.05);
+  EXPECT_LT(fit.fit.position_rad, 3e-3);
+}
+
 // A log in which nothing moves says nothing of a rotor or of friction that slides.
 TEST(ServoFits, SayWhatTheLogsDoNotDetermine) {
   ServoLog still = still_pendulum(3);
