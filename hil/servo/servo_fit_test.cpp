@@ -66,6 +66,45 @@ TEST(ServoFits, FindThePlantedEffects) {
   EXPECT_LT(fit.fit.position_rad, 3e-3);
 }
 
+TEST(ServoFits, DoNotDependOnTheNumberOfThreads) {
+  std::vector<ServoLog> logs;
+  for (const Motion motion : {Motion::two_sines, Motion::lift_and_drop, Motion::steps})
+    logs.push_back(log_of(truth::swing(2, motion, 1, 1, 2)));
+  ServoFitOptions options;
+  options.models = {1};
+  options.threads = 1;
+  const auto one = fit_servo(logs, {}, options);
+  options.threads = 3;
+  const auto three = fit_servo(logs, {}, options);
+  ASSERT_TRUE(one && three);
+  for (std::size_t i = 0; i < one->front().fitted.size(); ++i)
+    EXPECT_EQ(one->front().fitted[i].value, three->front().fitted[i].value);
+}
+
+// The horn of another rig is another zero, which only its own logs can show.
+TEST(ServoFits, FitTheZeroOfAHeldOutRigAndNothingElse) {
+  truth::Planted planted{0, 1e9, 0, 0, 0.02, true};
+  std::vector<ServoLog> logs, held_out;
+  for (const Motion motion : {Motion::two_sines, Motion::lift_and_drop, Motion::up_and_down}) {
+    planted.zero = 0.02;
+    logs.push_back(log_of(truth::swing(3, motion, 1, 1, 4, planted)));
+    logs.push_back(log_of(truth::swing(3, motion, 1, 0.4, 4, planted)));
+    planted.zero = -0.04;
+    held_out.push_back(log_of(truth::swing(3, motion, 0.7, 1, 4, planted)));
+  }
+  ServoFitOptions options;
+  options.models = {1, 3};
+  const auto fits = fit_servo(logs, held_out, options), alone = fit_servo(logs, {}, options);
+  ASSERT_TRUE(fits && alone);
+  const ServoFit& fit = fits->back();
+  ASSERT_EQ(fit.zeros.size(), 2u);
+  EXPECT_FALSE(fit.zeros[0].held_out);
+  EXPECT_TRUE(fit.zeros[1].held_out);
+  EXPECT_EQ(fit.zeros[1].rig, held_out[0].rig());
+  EXPECT_NEAR(fit.zeros[1].zero_rad, -0.04, 0.005);
+  EXPECT_EQ(fit.params.kt, alone->back().params.kt);
+}
+
 // A log in which nothing moves says nothing of a rotor or of friction that slides.
 TEST(ServoFits, SayWhatTheLogsDoNotDetermine) {
   ServoLog still = still_pendulum(3);
