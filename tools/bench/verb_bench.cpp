@@ -151,8 +151,9 @@ void add_servo(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "servo", "fit a motor and friction model to logs of a pendulum on the horn of a bus servo");
   auto arguments = std::make_shared<ServoFitArguments>();
-  verb->add_option("LOG", arguments->logs,
-                   "logs to fit, or folders of logs: CSV (format: docs/howto/bench.md) or BAM's JSON")
+  verb->add_option(
+          "LOG", arguments->logs,
+          "logs to fit, or folders of logs: CSV (format: docs/howto/bench.md) or BAM's JSON")
       ->required();
   verb->add_option(
           "--held-out", arguments->held_out,
