@@ -21,4 +21,14 @@ inline ServoLog log_of(const truth::Swing& swing) {
   return log;
 }
 
+// A log of a pendulum that rests, with goal 0.
+inline ServoLog still_pendulum(double seconds, double step = 0.01) {
+  ServoLog log;
+  log.mass_kg = 0.4;
+  log.length_m = 0.15;
+  log.gain_per_rad = 4;
+  for (int i = 0; i * step <= seconds; ++i) log.samples.push_back({i * step, 0, 0, 12, 0, true});
+  return log;
+}
+
 }  // namespace kaz::hil

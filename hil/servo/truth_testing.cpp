@@ -3,6 +3,7 @@
 #include "hil/servo/truth_testing.h"
 
 #include <cmath>
+#include <deque>
 #include <random>
 
 namespace kaz::hil::truth {
@@ -71,15 +72,21 @@ double goal(Motion motion, double t) {
       return t < 3 ? cubic(t, 0, 3, 0, kPi / 2) : cubic(t, 3, 6, kPi / 2, 0.4 * kPi);
     case Motion::two_sines:
       return std::sin(t) * kPi / 2 + std::sin(5 * t) * 0.5 * std::sin(2 * t);
+    case Motion::steps:
+      return static_cast<int>(t) % 2 == 0 ? 0 : 1;
   }
   return 0;
 }
 
 }  // namespace
 
-Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share,
-            double seconds) {
-  const Servo s = drawn(seed);
+Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_share, double seconds,
+            const Planted& planted) {
+  Servo s = drawn(seed);
+  if (planted.plain) {
+    s.ripple = s.cable = s.warms = s.sag = s.clock = s.late = s.zero = s.extra = 0;
+    s.bristle = 2e-4;
+  }
   const bool small = seed % 2 == 0;
   Swing made{(small ? 0.15 : 0.9) * mass_share,
              small ? 0.1 : 0.15,
@@ -97,15 +104,28 @@ Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_sh
   constexpr double h = 5e-5;
   const double step = 2 * kPi / 4096;
   double q = 0, v = 0, z = 0, heat = 0, amps = 0, volts = s.supply;
-  double next = 0;
+  double next = 0, setpoint = 0, driven = 0;
+  // Goals and torque switches on their way to the servo.
+  std::deque<std::pair<double, bool>> sent(static_cast<std::size_t>(planted.delay / h),
+                                           {goal(motion, 0), true});
   for (long i = 0; i * h <= seconds; ++i) {
     const double t = static_cast<double>(i) * h;
-    const bool on = motion != Motion::lift_and_drop || t < 2;
-    const double wanted = goal(motion, t);
-    const double seen = step * std::round((q + s.zero) / step);
-    double off = wanted - seen;
-    if (std::fabs(off) < step) off = 0;
-    const double duty = std::fmin(0.95, std::fmax(-0.95, made.gain_per_rad * off));
+    const bool sent_on = motion != Motion::lift_and_drop || t < 2;
+    // The client sends a goal with each reading.
+    const double wanted = goal(motion, 0.01 * std::floor(t / 0.01 + 1e-6));
+    sent.emplace_back(wanted, sent_on);
+    const auto [arrived, on] = sent.front();
+    sent.pop_front();
+    const double zero = s.zero + planted.zero;
+    const double seen = planted.plain ? q + zero : step * std::round((q + zero) / step);
+    if (!on) setpoint = seen;
+    setpoint += std::fmin(planted.slew * h, std::fmax(-planted.slew * h, arrived - setpoint));
+    double off = setpoint - seen;
+    if (!planted.plain && std::fabs(off) < step) off = 0;
+    const double pushes = std::fmin(0.95, std::fmax(-0.95, made.gain_per_rad * off));
+    driven = planted.lag > 0 ? driven + (pushes - driven) * h / planted.lag : pushes;
+    if (!on) driven = 0;
+    const double duty = driven;
     volts = s.supply - s.sag * std::fabs(amps * duty);
     const double ohm = s.ohm * (1 + s.warms * heat);
     amps = on ? (duty * volts - s.k * v) / ohm : 0;
@@ -115,9 +135,11 @@ Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_sh
     // The gear passes on what the motor pushes or what pulls at the shaft, whichever leads the motion.
     const bool leads = pushed * v >= 0 && std::fabs(pushed) > 1e-9;
     const double lost =
-        leads ? s.forward_loss * std::fabs(pushed)
-              : s.backward_loss * std::fmin(std::fabs(pulled), std::fabs(pushed) + s.dry);
-    const double most = s.dry + lost + s.extra / (1 + (v / s.slow) * (v / s.slow));
+        planted.plain ? s.forward_loss * std::fabs(pushed - pulled)
+        : leads       ? s.forward_loss * std::fabs(pushed)
+                      : s.backward_loss * std::fmin(std::fabs(pulled), std::fabs(pushed) + s.dry);
+    const double most =
+        s.dry + (on ? 0 : planted.coasting) + lost + s.extra / (1 + (v / s.slow) * (v / s.slow));
     // Bristles (Dahl): a spring that slides at `most`.
     z += (v - std::fabs(v) * z / s.bristle) * h;
     z = std::fmin(s.bristle, std::fmax(-s.bristle, z));
@@ -129,9 +151,10 @@ Swing swing(std::uint64_t seed, Motion motion, double mass_share, double gain_sh
     if (t + 1e-9 < next) continue;
     next += 0.01;
     // Read a little after the time that is written down, by a clock that runs apart.
-    made.readings.push_back({t * (1 + s.clock) - s.late, wanted, seen,
+    made.readings.push_back({t * (1 + s.clock) - s.late, wanted,
+                             step * std::round((q + zero) / step),
                              0.1 * std::round(10 * (volts + 0.02 * noise(random))),
-                             0.0065 * std::round((amps + 0.01 * noise(random)) / 0.0065), on});
+                             0.0065 * std::round((amps + 0.01 * noise(random)) / 0.0065), sent_on});
   }
   return made;
 }

@@ -7,6 +7,7 @@
 #include "tools/bench/bench_run.h"
 #include "tools/bench/pendulum_run.h"
 #include "tools/bench/servo_run.h"
+#include "tools/bench/servo_score_run.h"
 #include "tools/cli/options.h"
 #include "tools/cli/verbs.h"
 #include "tools/cli/watch_options.h"
@@ -150,8 +151,9 @@ void add_servo(CLI::App& bench_verb, Action& action) {
   auto* verb = bench_verb.add_subcommand(
       "servo", "fit a motor and friction model to logs of a pendulum on the horn of a bus servo");
   auto arguments = std::make_shared<ServoFitArguments>();
-  verb->add_option("LOG", arguments->logs,
-                   "CSV files of the logs to fit (format: docs/howto/bench.md)")
+  verb->add_option(
+          "LOG", arguments->logs,
+          "logs to fit, or folders of logs: CSV (format: docs/howto/bench.md) or BAM's JSON")
       ->required();
   verb->add_option(
           "--held-out", arguments->held_out,
@@ -169,12 +171,39 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
   verb->footer(
-      "The fit takes half a minute for 16 logs of 6 s.\n"
+      "The fit takes half a minute for 16 logs of 6 s, and two minutes for 720 logs.\n"
       "Examples:\n"
       "  kaz bench servo fit-*.csv --held-out held-*.csv --out my-servo\n"
       "  kaz bench servo fit-*.csv --model 1 --json");
   verb->callback(
       [&action, arguments] { action = [arguments] { return run_servo_fit(*arguments); }; });
+}
+
+void add_servo_score(CLI::App& bench_verb, Action& action) {
+  auto* verb = bench_verb.add_subcommand(
+      "servo-score", "fit a servo's model to a part of its logs, and score it on the other part");
+  auto arguments = std::make_shared<ServoScoreArguments>();
+  verb->add_option("LOG", arguments->logs, "logs, or folders of logs (kaz bench servo --help)")
+      ->required();
+  verb->add_option("--hold-out", arguments->splits,
+                   "logs with these gains (duty per rad) or masses (kg) are not fitted. Without "
+                   "values, each gain or mass is held out once")
+      ->required()
+      ->type_name("gain[=V,V]|mass[=V,V]");
+  verb->add_option("--model", arguments->model,
+                   "fit the friction models from M1 up to this number (default: 6)")
+      ->check(between(1, 6))
+      ->type_name("N");
+  verb->add_option("--out", arguments->out, "folder for scores.csv, tables.md and result.json")
+      ->capture_default_str()
+      ->type_name("DIR");
+  verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
+  verb->footer(
+      "Examples:\n"
+      "  kaz bench servo-score sts3215/ --hold-out gain=1.319,3.958 --hold-out mass=1.168\n"
+      "  kaz bench servo-score xl330/ --hold-out gain");
+  verb->callback(
+      [&action, arguments] { action = [arguments] { return run_servo_score(*arguments); }; });
 }
 
 void add_pendulum(CLI::App& bench_verb, Action& action) {
@@ -332,6 +361,7 @@ void add_bench(CLI::App& program, Action& action) {
       "  kaz bench all --out board-42\n  kaz bench all --robot serial:/dev/ttyUSB0 --stand manual");
   add_fit(*verb, action);
   add_servo(*verb, action);
+  add_servo_score(*verb, action);
   add_pendulum(*verb, action);
   auto* names = verb->add_subcommand(
       "list", "print the names and limits of the measurements, and measure nothing");
