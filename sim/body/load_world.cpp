@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 #include <vector>
 
 #include "shared/base/number_text.hpp"
+#include "sim/body/description/xml_file.h"
 #include "sim/body/ode/ode_world.h"
 #include "sim/body/reduced/reduced_world.h"
 #include "sim/body/world/stage_model.h"
@@ -151,6 +153,50 @@ Result<void> check_start(const std::string& path, const WorldModel& world,
   return {};
 }
 
+// Returns whether a shape of the world is within 0.3 m of the robot beside it, by bounding boxes. Planes and
+// meshes do not count.
+bool is_crowded(const WorldModel& world, const RobotModel& robot) {
+  constexpr double kClear = 0.3;  // m
+  const Eigen::Isometry3d root = root_at_start(world, robot, false);
+  Eigen::AlignedBox3d box;
+  for (const RobotLink& link : robot.links) {
+    for (const CollisionShape& one : link.rigid.collisions)
+      box.extend(extent(one.shape, root * link.at_zero * one.in_link));
+  }
+  if (box.isEmpty()) return false;
+  const Eigen::Vector3d clear(kClear, kClear, 0);
+  const Eigen::AlignedBox3d free(box.min() - clear, box.max() + clear);
+  for (const WorldBody& body : world.bodies) {
+    for (const CollisionShape& one : body.rigid.collisions)
+      if (free.intersects(extent(one.shape, body.pose * one.in_link))) return true;
+  }
+  return false;
+}
+
+// Moves the start to the nearest free place on circles about the origin. Without one, the start stays.
+void move_to_free_place(WorldModel& world, const RobotModel& robot) {
+  constexpr double kStep = 0.5, kFarthest = 50;  // m
+  constexpr int kDirections = 8;
+  const Eigen::Isometry3d stated = world.robot_start;
+  for (double radius = kStep; radius <= kFarthest; radius += kStep) {
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kDirections;
+      world.robot_start.translation() =
+          stated.translation() + radius * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+      if (!is_crowded(world, robot)) return;
+    }
+  }
+  world.robot_start = stated;
+}
+
+// Worlds of other programs do not state where the robot starts.
+Result<bool> states_start(const std::string& world_path) {
+  const auto file = XmlFile::load(world_path, "sdf");
+  if (!file) return tl::unexpected(file.error());
+  const auto* world = file->root().FirstChildElement("world");
+  return world != nullptr && world->FirstChildElement("kaz:robot") != nullptr;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
@@ -177,6 +223,8 @@ Result<WorldFiles> read_world_files(const std::string& world_path, const std::st
   files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
   if (options.ideal_motors) files.motor = files.motor.ideal();
   files.world = KAZ_TRY(load_world(world_path, options.reading));
+  const bool blocked = !options.hung && !check_start(world_path, files.world, files.robot);
+  if (blocked && !KAZ_TRY(states_start(world_path))) move_to_free_place(files.world, files.robot);
   return files;
 }
 

@@ -125,7 +125,8 @@ LAYERS = {
     "sim/body": {
         "description": (), "motor": ("description",), "contact": ("description",),
         "world": ("description", "motor", "contact"), "ode": ("description", "motor", "contact", "world"),
-        "reduced": ("description", "motor", "contact", "world"), ".": ("world", "ode", "reduced"),
+        "reduced": ("description", "motor", "contact", "world"),
+        ".": ("description", "world", "ode", "reduced"),
         "tests": (".", "description", "motor", "contact", "world", "ode", "reduced"),
     },
     "sim/render": {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim/body/description/mesh_file.h"
 #include "sim/render/camera.h"
 #include "sim/render/renderer.h"
 
@@ -24,9 +25,19 @@ std::vector<sim::Visual> looks_of(const sim::RigidLink& link) {
   return looks;
 }
 
+// Bounding box of a visual, in the frame of `pose`; empty if the mesh cannot be read.
+Eigen::AlignedBox3d box_of(const sim::Visual& look, const Eigen::Isometry3d& pose) {
+  if (look.shape.kind != sim::Shape::Kind::mesh) return sim::extent(look.shape, pose);
+  Eigen::AlignedBox3d box;
+  if (const auto mesh = sim::read_mesh(look.shape.mesh_path, look.shape.size)) {
+    for (const Eigen::Vector3d& corner : mesh->corners) box.extend(pose * corner);
+  }
+  return box;
+}
+
 // A view from the front right and from above, which contains the whole box.
 sim::View view_of(const Eigen::AlignedBox3d& box, int width) {
-  constexpr double kFieldOfView_rad = 0.78, kDistance = 1.3;  // in diagonals of the box
+  constexpr double kFieldOfView_rad = 0.78, kDistance = 1.75;  // in diagonals of the box
   const Eigen::Vector3d direction = Eigen::Vector3d(1.3, -0.65, 0.8).normalized();
   const double diagonal_m = std::max(box.diagonal().norm(), 0.05);
   sim::View view;
@@ -44,8 +55,11 @@ Result<vision::Image> robot_picture(const sim::RobotModel& robot, int width) {
   sim::ScenePose pose;
   scene.frames.emplace_back("world");
   pose.frames.push_back(Eigen::Isometry3d::Identity());
+  Eigen::AlignedBox3d box = robot.extent();
   for (const sim::RobotLink& link : robot.links) {
+    box.extend(link.at_zero.translation());
     for (sim::Visual look : looks_of(link.rigid)) {
+      box.extend(box_of(look, link.at_zero * look.in_frame));
       look.frame = static_cast<int>(scene.frames.size());
       scene.visuals.push_back(std::move(look));
     }
@@ -54,8 +68,6 @@ Result<vision::Image> robot_picture(const sim::RobotModel& robot, int width) {
   }
   if (scene.visuals.empty())
     return fail(Fault::usage, "the robot has no visuals and no collision shapes to draw");
-  Eigen::AlignedBox3d box = robot.extent();
-  for (const Eigen::Isometry3d& frame : pose.frames) box.extend(frame.translation());
   auto renderer = KAZ_TRY(sim::make_raster_renderer());
   KAZ_TRY(renderer->set_scene(scene));
   vision::Image picture;

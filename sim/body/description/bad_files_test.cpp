@@ -393,11 +393,11 @@ TEST(Load, NamesUnknownDynamics) {
 
 TEST(Load, RefusesAStartInsideAModel) {
   const test::Folder folder;
-  const auto with_box_at = [&](const char* place) {
+  const auto with_box_at = [&](const std::string& place, const std::string& robot =
+                                                             "<kaz:robot pose='0 0 0 0 0 0'/>") {
     const std::string path = folder.write(
-        "box.sdf", std::string("<sdf version='1.9'><world name='w'><model name='crate'>"
-                               "<static>true</static><pose>") +
-                       place +
+        "box.sdf", "<sdf version='1.9' xmlns:kaz='urn:kaz:sdf'><world name='w'>" + robot +
+                       "<model name='crate'><static>true</static><pose>" + place +
                        "</pose><link name='l'><collision name='c'><geometry><box><size>0.2 0.2 0.2"
                        "</size></box></geometry></collision></link></model></world></sdf>");
     return World::load(path, test::kRobot, WorldOptions{});
@@ -409,6 +409,12 @@ TEST(Load, RefusesAStartInsideAModel) {
       << inside.error().message;
   EXPECT_TRUE(with_box_at("0.3 0 0.1 0 0 0.3"));
   EXPECT_TRUE(with_box_at("0 0 -0.1 0 0 0")) << "it stands on it";
+  // A world of another program does not state the start.
+  const auto elsewhere = with_box_at("0.05 0 0.1 0 0 0.3", "");
+  ASSERT_TRUE(elsewhere) << elsewhere.error().message;
+  const double distance = (*elsewhere)->link_pose("trunk").translation().head<2>().norm();
+  EXPECT_GT(distance, 0.4);
+  EXPECT_LT(distance, 1.6);
 }
 
 TEST(Load, NamesAnUnknownMotor) {

@@ -277,8 +277,10 @@ class SdfFileCheck {
   bool has_shape(const SdfXml& e) {
     const SdfXml* geometry = e.FirstChildElement("geometry");
     const SdfXml* shape = geometry ? geometry->FirstChildElement() : nullptr;
-    if (shape == nullptr || shape->NextSiblingElement() != nullptr ||
-        geometry->NextSiblingElement("geometry") != nullptr) {
+    // Several polylines form one shape.
+    const bool is_one = shape != nullptr && (shape->NextSiblingElement() == nullptr ||
+                                             std::string(shape->Name()) == "polyline");
+    if (!is_one || geometry->NextSiblingElement("geometry") != nullptr) {
       report_.object(e, sdf_tag(e) + " must contain one <geometry> with one shape");
       return false;
     }

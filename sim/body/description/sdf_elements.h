@@ -157,7 +157,7 @@ inline constexpr SdfElement kSdfElements[] = {
     {"geometry", "ellipsoid", Use::refused, false, "", "", "use a mesh, a sphere or a capsule"},
     {"geometry", "heightmap", Use::refused, false, "", "", "use boxes, or meshes of convex parts"},
     {"geometry", "image", Use::refused, false, "", "", "use boxes, or meshes of convex parts"},
-    {"geometry", "polyline", Use::refused, false, "", "", "use boxes, or meshes of convex parts"},
+    {"geometry", "polyline", Use::refused, true, "", "", "use boxes, or meshes of convex parts"},
     {"box", "size"},
     {"capsule", "radius"},
     {"capsule", "length"},

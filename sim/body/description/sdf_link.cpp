@@ -11,6 +11,8 @@
 namespace kaz::sim {
 namespace {
 
+constexpr double kLargestDrawn = 9000;  // m
+
 // Value of a descendant such as friction/ode/mu, or `otherwise` where the file has none.
 double value_at(sdf::ElementPtr element, std::initializer_list<const char*> path,
                 double otherwise) {
@@ -83,6 +85,9 @@ Visual look_of(const sdf::Visual& visual, const std::string& link) {
   Visual look;
   look.name = link + "/" + visual.Name();
   look.shape = shape_of(*visual.Geom());
+  // The renderer's limit. A larger ground plane ends beyond the horizon.
+  if (look.shape.kind == Shape::Kind::plane)
+    look.shape.size = look.shape.size.cwiseMin(kLargestDrawn);
   look.in_frame = pose_in(visual.SemanticPose(), "") * turn_of(*visual.Geom());
   if (const sdf::Material* material = visual.Material()) {
     const auto& color = material->Diffuse();
