@@ -133,11 +133,9 @@ void add_sim_options(CLI::App& verb, BackendOptions& options) {
 
 void add_unused_options(CLI::App& verb, bool& strict, bool& verbose) {
   verb.add_flag("--strict", strict,
-                "treat elements and attributes of a robot's or a world's file that Kaz does not "
-                "use as errors");
+                "unused elements and attributes of robot and world files are errors");
   verb.add_flag("--verbose", verbose,
-                "list each element and attribute of these files that Kaz does not use, with its "
-                "line");
+                "list these elements and attributes with their lines");
 }
 
 void add_settings(CLI::App& verb, std::vector<std::string>& settings, const std::string& text) {
@@ -184,8 +182,7 @@ CLI::Option* add_address(CLI::App& verb, std::uint8_t& address) {
 
 void add_record_pictures(CLI::App& verb, BackendOptions& options) {
   verb.add_flag("--record-pictures", options.record_pictures,
-                "also record the eyes' pictures; without this option, the recording contains only "
-                "a hash (XXH3, 128 bits) of each stereo pair");
+                "also record the eyes' pictures, and not only a hash of each stereo pair");
 }
 
 void add_image_options(CLI::App& verb, std::string& path, h8s::LoadOptions& load,

@@ -68,14 +68,12 @@ void add_run_options(CLI::App& verb, RunArguments& arguments) {
       ->type_name("FILE");
   verb.add_option("--restore-every", arguments.run.backend.restore_every_s,
                   "self-test: at this interval, save the virtual robot's state, simulate 0.1 s "
-                  "without recording, and restore the state. The recording must be "
-                  "identical to the recording of the same run without --restore-every")
+                  "without recording, and restore the state. The recording must not change")
       ->check(between(0.001, 1e6, "s"))
       ->type_name("SECONDS");
   verb.add_option("--modules", arguments.run.vision.modules,
                   "vision modules to run, separated by commas: " + module_names() +
-                      ". Behaviors that use the cameras always run the module 'color'. "
-                      "Other behaviors run no vision modules")
+                      ". Only behaviors that use the cameras run them, always with 'color'")
       ->type_name("LIST")
       ->capture_default_str();
   verb.add_option("--color", arguments.color,

@@ -78,8 +78,8 @@ void add_watch_options(CLI::App& verb, WatchArguments& arguments, bool paced) {
                 "wait until the first viewer has subscribed to a channel")
       ->needs(view);
   verb.add_flag("--view-open", arguments.open,
-                "let programs read all data, such as pictures and messages, without the token. Web "
-                "pages of other servers and programs that control the run still need the token")
+                "let programs read all data without the token. Web pages of other servers, and "
+                "programs that control the run, still need it")
       ->needs(view);
   if (!paced) return;
   verb.add_option("--pace", arguments.pace,
