@@ -67,7 +67,7 @@ consume(vision kaz::vision "asmjit;nlohmann_json;OpenSSL;sdformat12;ZLIB")
 consume(host "kaz::behavior;kaz::link" "asmjit;OpenSSL;sdformat12;ZLIB")
 consume(body kaz::body "asmjit;nlohmann_json;OpenSSL;ZLIB")
 consume(bus kaz::bus "asmjit;OpenSSL;ZLIB")
-consume(bench kaz::measurements "asmjit;OpenSSL;sdformat12;ZLIB;PkgConfig")
+consume(bench kaz::measurements "asmjit;OpenSSL;sdformat12;ZLIB")
 consume(sim kaz::runtime "")
 consume(lockstep kaz::lockstep "")
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/tests/repository/consumers -B ${BINARY}/consumers/none -G Ninja

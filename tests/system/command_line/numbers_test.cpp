@@ -39,7 +39,8 @@ bool is_text(const std::string& value) {
       "CAMERA "
       "ROBOT HOW NAME=VALUE NAME=DEGREES REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N "
       "PORT|PATH|- KIND:PATH native|h8|KIND:PATH "
-      "LEFT,RIGHT gain[=V,V]|mass[=V,V] X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT OPTIONS ";
+      "LEFT,RIGHT gain[=V,V]|mass[=V,V] "
+      "X,Y[,DEGREES]|ball reduced|exact|quickN ctl:PATH|manual sim|PORT HOST:PORT OPTIONS ";
   return kTexts.find(" " + value.substr(0, value.find(" ...")) + " ") != std::string::npos;
 }
 
