@@ -3,6 +3,7 @@
 #include "tools/robot/board_file.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "shared/base/files.hpp"
@@ -16,6 +17,13 @@ constexpr double kMinRange = 0.1;     // rad
 
 std::filesystem::path board_file_path(const std::string& urdf_path) {
   return std::filesystem::path(urdf_path).replace_extension(".board.urdf");
+}
+
+// Returns whether `path` exists and was written after `source`.
+bool is_newer(const std::filesystem::path& path, const std::string& source) {
+  std::error_code missing, ignored;
+  const auto written = std::filesystem::last_write_time(path, missing);
+  return !missing && written >= std::filesystem::last_write_time(source, ignored);
 }
 
 }  // namespace
@@ -51,15 +59,18 @@ std::string board_file_name(const std::string& urdf_path) {
 Result<std::string> write_board_file(const std::string& urdf_path,
                                      const std::vector<sim::JointRange>& limits) {
   const auto path = board_file_path(urdf_path);
-  std::error_code ignored;
-  if (limits.empty() || std::filesystem::exists(path, ignored)) return std::string();
+  if (limits.empty() || is_newer(path, urdf_path)) return std::string();
   KAZ_TRY(write_whole_file(path.string(), KAZ_TRY(sim::urdf_with_limits(urdf_path, limits))));
-  std::string fixed;
-  for (const sim::JointRange& range : limits)
-    if (range.lower >= range.upper) fixed += (fixed.empty() ? "" : ", ") + range.joint;
-  return "wrote " + board_file_name(urdf_path) + ", in which " + std::to_string(limits.size()) +
-         " joints have limits that the servo board permits" +
-         (fixed.empty() ? "" : "; fixed: " + fixed);
+  std::string narrower, fixed;
+  for (const sim::JointRange& range : limits) {
+    std::string& list = range.lower >= range.upper ? fixed : narrower;
+    list += (list.empty() ? "" : ", ") + range.joint;
+    char text[60];
+    std::snprintf(text, sizeof text, " %.3g to %.3g", range.lower, range.upper);
+    if (range.lower < range.upper) list += text;
+  }
+  return "wrote " + board_file_name(urdf_path) + " with limits that the servo board permits: " +
+         narrower + (fixed.empty() ? "" : "; fixed: " + fixed);
 }
 
 }  // namespace kaz::tools

@@ -19,8 +19,8 @@ std::vector<sim::JointRange> limits_for_board(const sim::RobotModel& robot);
 // Name of the file that write_board_file() writes: NAME.board.urdf for NAME.urdf.
 std::string board_file_name(const std::string& urdf_path);
 
-// Writes a copy of `urdf_path` with these limits into the same folder, unless the file exists. Returns one
-// line that says what was written, or an empty text.
+// Writes the robot with these limits as a URDF into the same folder. Keeps a file that is newer than
+// `urdf_path`. Returns one line that says what was written, or an empty text.
 Result<std::string> write_board_file(const std::string& urdf_path,
                                      const std::vector<sim::JointRange>& limits);
 

@@ -20,8 +20,8 @@ void add_check(CLI::App& robot, Action& action) {
   verb->add_option("--urdf", options->urdf, "write the robot as a URDF, for other programs")
       ->type_name("FILE");
   verb->add_flag("--write", options->write,
-                 "write bus.json, motor.xml and sensors.xml beside FILE, as far as they are "
-                 "missing");
+                 "write missing files beside FILE: bus.json, motor.xml, sensors.xml, and NAME.board.urdf "
+                 "with limits that the servo board permits");
   add_unused_options(*verb, options->reading.strict, options->verbose);
   verb->add_flag(
       "--joints-only", [options](std::int64_t) { options->reading.body = false; },

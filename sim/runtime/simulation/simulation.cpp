@@ -64,7 +64,9 @@ Result<void> check_limits(const std::string& robot_path) {
           robot_path +
               " is a robot with bus servos (bus.json): start `kaz sim --bus feetech --robot-file " +
               robot_path +
-              " --serial PORT`, or give --robot feetech:PORT (dynamixel for ROBOTIS servos)");
+              " --serial PORT`, or give --robot feetech:PORT (dynamixel for ROBOTIS servos); for a "
+              "servo board, give the file NAME.board.urdf that `kaz robot check FILE --write` "
+              "writes");
     return fail(Fault::usage,
                 robot_path + ": joint `" + joint.name + "`: limits " +
                     range_text(joint.lower, joint.upper) + " rad: must be within " +
