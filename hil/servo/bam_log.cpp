@@ -50,8 +50,10 @@ Result<BamLines> bam_lines(const std::string& text) {
   if (!log.is_object() || !log.contains("entries") || !log["entries"].is_array())
     return fail(Fault::usage, "has no list `entries`; give a log of BAM or a CSV log");
   BamLines lines;
+  // Not within the list: an early return would leak the strings before it.
+  const std::string gain = KAZ_TRY(gain_line(log));
   lines.head = {"# mass_kg " + number_of(log, "mass"), "# length_m " + number_of(log, "length"),
-                KAZ_TRY(gain_line(log))};
+                gain};
   for (const auto& [name, setting] : {std::pair{"arm_mass", "arm_kg"},
                                       {"inertia_kgm2", "inertia_kgm2"},
                                       {"gravity_nm", "gravity_nm"}})
