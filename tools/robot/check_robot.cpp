@@ -52,8 +52,9 @@ std::vector<Need> needs_of(const sim::RobotModel& robot, const std::string& file
     if (missing(name)) add(board.missing, name);
   if (const auto limits = limits_for_board(robot); !limits.empty()) {
     const std::string name = board_file_name(file);
-    add(board.missing, "permitted limits of joints: " + std::to_string(limits.size()) + "; use " +
-                           name + (missing(name.c_str()) ? ", which --write writes" : ""));
+    add(board.missing, "limits that the board permits (" + std::to_string(limits.size()) +
+                           " joints): use " + name +
+                           (missing(name.c_str()) ? ", which --write writes" : ""));
   }
   for (const char* name : {"bus.json", "motor.xml"})
     if (missing(name)) add(bus.missing, name);

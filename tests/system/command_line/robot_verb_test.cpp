@@ -150,7 +150,7 @@ TEST(RobotVerb, WritesARobotThatTheServoBoardCanDrive) {
         kaz({"run", "stand", "--robot-file", folder / file, "--mcu", "native", "--eyes", "none"}));
   };
   const Finished written = run(kaz({"robot", "check", folder / "lamp.urdf", "--write"}));
-  EXPECT_NE(written.out.find("permitted limits of joints: 20; use lamp.board.urdf"),
+  EXPECT_NE(written.out.find("limits that the board permits (20 joints): use lamp.board.urdf"),
             std::string::npos)
       << written.out;
   EXPECT_NE(written.out.find("; fixed: j18, j19\n"), std::string::npos) << written.out;
