@@ -15,6 +15,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "sim/body/description/files_testing.h"
+#include "sim/body/description/posture_testing.h"
 #include "sim/body/description/robot_model.h"
 #include "sim/body/description/urdf_writer.h"
 
@@ -166,33 +167,11 @@ std::vector<double> angles_of(const RobotModel& robot, int number) {
   return angles;
 }
 
-std::vector<Eigen::Isometry3d> link_poses(const RobotModel& robot,
-                                          const std::vector<double>& angles) {
-  std::vector<Eigen::Isometry3d> poses;
-  for (const RobotLink& link : robot.links) {
-    if (link.parent < 0) {
-      poses.push_back(link.at_zero);
-      continue;
-    }
-    const auto parent = static_cast<std::size_t>(link.parent),
-               joint = static_cast<std::size_t>(link.joint);
-    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * robot.joints[joint].axis;
-    poses.push_back(poses[parent] * robot.links[parent].at_zero.inverse() * link.at_zero *
-                    joint_motion(robot.joints[joint], axis, angles[joint]));
-  }
-  return poses;
-}
-
 Eigen::Isometry3d pose_of_numbers(const mjtNum* position, const mjtNum* rotation) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Map<const Eigen::Vector3d>(position);
   pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation);
   return pose;
-}
-
-// From rad to the unit of the file: m for a prismatic joint.
-double unit_of(const RobotJoint& joint) {
-  return joint.pinion_m > 0 ? joint.pinion_m : 1;
 }
 
 void compare_joints(const RobotModel& robot, const mjModel& model, const mjData& data) {
@@ -208,7 +187,7 @@ void compare_joints(const RobotModel& robot, const mjModel& model, const mjData&
       EXPECT_GT(j, last) << "order of " << joint.name;
     }
     last = j;
-    const double unit = unit_of(joint);
+    const double unit = test::unit_of(joint);
     EXPECT_EQ(std::isfinite(joint.lower), model.jnt_limited[j] != 0) << joint.name;
     if (model.jnt_limited[j]) {
       EXPECT_NEAR(joint.lower * unit, model.jnt_range[2 * j], kExact) << joint.name;
@@ -223,7 +202,7 @@ void compare_joints(const RobotModel& robot, const mjModel& model, const mjData&
 
 void compare_poses(const RobotModel& robot, const mjModel& model, const mjData& data,
                    const std::vector<double>& angles) {
-  const auto poses = link_poses(robot, angles);
+  const auto poses = test::link_poses(robot, angles);
   double mass = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), own = Eigen::Vector3d::Zero();
   std::size_t known = 0;
@@ -271,7 +250,7 @@ TEST_P(JudgedMjcf, AgreesWithLibmujoco) {
     for (std::size_t i = 0; i < angles.size(); ++i)
       data->qpos[model->jnt_qposadr[mj_name2id(model.get(), mjOBJ_JOINT,
                                                robot->joints[i].name.c_str())]] =
-          unit_of(robot->joints[i]) * angles[i];
+          test::unit_of(robot->joints[i]) * angles[i];
     mj_kinematics(model.get(), data.get());
     if (number == 0) compare_joints(*robot, *model, *data);
     compare_poses(*robot, *model, *data, angles);
@@ -281,7 +260,7 @@ TEST_P(JudgedMjcf, AgreesWithLibmujoco) {
 // Links and frames of one name in both models, at the posture of the angles.
 void compare_frames(const RobotModel& one, const RobotModel& other,
                     const std::vector<double>& angles) {
-  const auto poses = link_poses(one, angles), others = link_poses(other, angles);
+  const auto poses = test::link_poses(one, angles), others = test::link_poses(other, angles);
   for (const auto& [name, frame] : one.frames) {
     const RobotFrame& twin = other.frames.at(name);
     const Eigen::Isometry3d a = poses[static_cast<std::size_t>(frame.link)] * frame.in_link,
@@ -319,7 +298,8 @@ void compare_links(const RigidLink& link, const RigidLink& twin) {
 TEST_P(JudgedMjcf, IsTheSameRobotAsUrdf) {
   const std::string file = path();
   const auto robot = load_robot(file, {.skip_missing_meshes = true});
-  if (!robot) GTEST_SKIP() << robot.error().message;
+  if (!robot && GetParam() == file) GTEST_SKIP() << "refused: " << full_text(robot.error());
+  ASSERT_TRUE(robot) << full_text(robot.error());
   const std::string folder = fs::canonical(file).parent_path().string();
   const std::string urdf = urdf_of(*robot, folder);
   const auto judge = urdf::parseURDF(urdf);
@@ -331,9 +311,9 @@ TEST_P(JudgedMjcf, IsTheSameRobotAsUrdf) {
     EXPECT_EQ(other->mimic != nullptr, joint.follows.has_value());
     if (joint.follows) {
       const RobotJoint& leader = robot->joints[static_cast<std::size_t>(joint.follows->joint)];
-      EXPECT_NEAR(other->mimic->multiplier * unit_of(leader) / unit_of(joint),
+      EXPECT_NEAR(other->mimic->multiplier * test::unit_of(leader) / test::unit_of(joint),
                   joint.follows->ratio, kExact);
-      EXPECT_NEAR(other->mimic->offset / unit_of(joint), joint.follows->offset, kExact);
+      EXPECT_NEAR(other->mimic->offset / test::unit_of(joint), joint.follows->offset, kExact);
     }
   }
   setenv("KAZ_MESH_PATH", folder.c_str(), 1);

@@ -8,6 +8,7 @@
 #include <kdl_parser/kdl_parser.hpp>
 
 #include "sim/body/description/files_testing.h"
+#include "sim/body/description/posture_testing.h"
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
@@ -24,24 +25,6 @@ Eigen::Isometry3d from_kdl(const KDL::Frame& frame) {
   return pose;
 }
 
-// Poses of the moving links in the root's frame.
-std::vector<Eigen::Isometry3d> poses_of(const RobotModel& robot,
-                                        const std::vector<double>& angles) {
-  std::vector<Eigen::Isometry3d> poses;
-  for (const RobotLink& link : robot.links) {
-    if (link.parent < 0) {
-      poses.push_back(link.at_zero);
-      continue;
-    }
-    const auto parent = static_cast<std::size_t>(link.parent),
-               joint = static_cast<std::size_t>(link.joint);
-    const Eigen::Vector3d axis = link.at_zero.linear().transpose() * robot.joints[joint].axis;
-    poses.push_back(poses[parent] * robot.links[parent].at_zero.inverse() * link.at_zero *
-                    joint_motion(robot.joints[joint], axis, angles[joint]));
-  }
-  return poses;
-}
-
 // Angles within the limits, different for each posture.
 std::vector<double> posture(const RobotModel& robot, int number) {
   std::vector<double> angles;
@@ -52,11 +35,6 @@ std::vector<double> posture(const RobotModel& robot, int number) {
     angles.push_back(number == 0 ? 0 : low + share * (high - low));
   }
   return angles;
-}
-
-// From rad to the unit of the file: m for a prismatic joint.
-double unit_of(const RobotJoint& joint) {
-  return joint.pinion_m > 0 ? joint.pinion_m : 1;
 }
 
 void judge_robot(const std::string& path) {
@@ -71,7 +49,7 @@ void judge_robot(const std::string& path) {
   for (const RobotJoint& joint : robot->joints) {
     const auto other = model->getJoint(joint.name);
     ASSERT_TRUE(other) << joint.name;
-    const double unit = unit_of(joint);
+    const double unit = test::unit_of(joint);
     EXPECT_EQ(joint.pinion_m > 0, other->type == urdf::Joint::PRISMATIC) << joint.name;
     if (other->type == urdf::Joint::CONTINUOUS) {
       EXPECT_TRUE(std::isinf(joint.lower) && std::isinf(joint.upper)) << joint.name;
@@ -99,9 +77,9 @@ void judge_robot(const std::string& path) {
       const std::string& joint = segment.segment.getJoint().getName();
       for (std::size_t j = 0; j < angles.size(); ++j)
         if (robot->joints[j].name == joint)
-          q(segment.q_nr) = unit_of(robot->joints[j]) * angles[j];
+          q(segment.q_nr) = test::unit_of(robot->joints[j]) * angles[j];
     }
-    const auto poses = poses_of(*robot, angles);
+    const auto poses = test::link_poses(*robot, angles);
     double mass = 0;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& [name, link] : model->links_) {
