@@ -131,7 +131,7 @@ bool face_contact(const Polyhedron& a, const Polyhedron& b, double depth, Vector
                   std::vector<DeepPoint>& points) {
   const Face of_a = face_along(a, -normal), of_b = face_along(b, normal);
   const double like_a = -of_a.normal.dot(normal), like_b = of_b.normal.dot(normal);
-  // Of two parallel faces always the same one, so that the points do not jump.
+  // If two faces are parallel, always uses the same one, so that the points do not jump.
   Clip clip{like_b >= like_a - 1e-3, like_b >= like_a - 1e-3 ? of_b : of_a};
   const auto fits = [&](const Clip& one) {
     return penetration(one.by_b ? a : b, one.face) <= depth + kSameDepth;

@@ -156,7 +156,7 @@ class MjcfCheck {
     return text;
   }
 
-  // A sentence about a coupling of the file that can replace a closed loop; empty if there is none.
+  // Returns a sentence about a coupling of the file that can replace a closed loop, or an empty text.
   std::string coupling_for(const Element& loop) const {
     std::vector<std::string> joints;
     for (const char* end : {"body1", "body2"}) {

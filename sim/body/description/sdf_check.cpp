@@ -364,9 +364,9 @@ class SdfFileCheck {
       writer_.content(leaf_text(*child, "include"));
       writer_.close(part);
     }
-    writer_.open(kSdfStub, e.GetLineNum());
+    writer_.open(kIncludePlace, e.GetLineNum());
     writer_.attribute("file", std::to_string(included.index));
-    writer_.close(kSdfStub);
+    writer_.close(kIncludePlace);
     writer_.close("model");
   }
 

@@ -14,9 +14,9 @@
 
 namespace kaz::sim {
 
-// Names of the stub that replaces an <include>: <kaz:include file="INDEX"/> in a <model>. World files cannot
-// contain this element.
-inline constexpr const char* kSdfStub = "kaz:include";
+// Name of the element that marks the place of an <include>: <kaz:include file="INDEX"/> in a <model>. World
+// files cannot contain this element.
+inline constexpr const char* kIncludePlace = "kaz:include";
 
 // Deepest nesting of models, and of files that include each other.
 inline constexpr int kMaxSdfDepth = 8;

@@ -144,12 +144,12 @@ struct SdfParser {
     return parsed;
   }
 
-  // Replaces the stubs below `element`.
+  // Puts included models in their places below `element`.
   Result<void> expand(const sdf::ElementPtr& element) const {
     for (auto e = element->GetFirstElement(); e; e = e->GetNextElement()) {
       if (e->GetName() == "world") KAZ_TRY(expand(e));
       if (e->GetName() != "model") continue;
-      if (e->HasElement(kSdfStub))
+      if (e->HasElement(kIncludePlace))
         KAZ_TRY(fill(e));
       else
         KAZ_TRY(expand(e));
@@ -159,12 +159,12 @@ struct SdfParser {
 
   // As libsdformat does it: parts of the <include> replace those of the model.
   Result<void> fill(const sdf::ElementPtr& model) const {
-    const sdf::ElementPtr stub = model->GetElement(kSdfStub);
-    const auto index = std::stoul(stub->GetAttribute("file")->GetAsString());
+    const sdf::ElementPtr place = model->GetElement(kIncludePlace);
+    const auto index = std::stoul(place->GetAttribute("file")->GetAsString());
     const IncludedText& file = checked.models.at(index);
     const auto parsed = KAZ_TRY(parse(file.path, file.text));
     const sdf::ElementPtr included = parsed->Root()->GetElement("model");
-    model->RemoveChild(stub);
+    model->RemoveChild(place);
     const bool has_pose = model->HasElement("pose"), is_static = model->HasElement("static");
     for (const char* name : {"canonical_link", "placement_frame"}) {
       const std::string own = model->Get<std::string>(name);

@@ -85,7 +85,7 @@ std::optional<std::vector<std::uint8_t>> decode_base64(std::string_view text) {
   return bytes;
 }
 
-// A member of the type of `other`; `other` if there is none.
+// Returns a member that has the type of `other`. Returns `other` if no member has this type.
 template <class T>
 T member(const Json& object, const char* name, T other) {
   const auto found = object.find(name);

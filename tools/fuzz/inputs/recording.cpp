@@ -52,7 +52,7 @@ Complaint play(const lockstep::RecordedRun& run) {
   return std::nullopt;
 }
 
-// What `kaz vision run` reads from recordings of other programs.
+// Reads pictures of recordings of other programs, as `kaz vision run` does.
 Complaint judge_pictures(const sim::McapRecording& recording) {
   for (const auto& message : recording.messages) {
     const auto kind = sim::kind_of_channel(recording, message.channel);
