@@ -22,7 +22,8 @@ class ExaminedServo {
       : link_(link), clock_(clock), family_(family), id_(id) {}
 
   // Finds the servo's register table. Errors (environment): no answer; unknown model; the torque is on and
-  // `release` is false; the servo's settings suppress answers to writes.
+  // `release` is false; the servo's settings suppress answers to writes. If the response level of a Feetech
+  // servo reads 0, one write decides.
   Result<void> identify(bool release);
   const ServoTable& table() const { return *table_; }
   int id() const { return id_; }
@@ -82,6 +83,7 @@ class ExaminedServo {
     bool off = false, was_on = false;
   };
   Torque release();
+  bool answers_a_write();
   Bytes exchange(const Bytes& wire, std::size_t count, Time window);
   void note(char direction, const Bytes& bytes);
   int error_of(const ServoAnswer& answer) const;

@@ -382,6 +382,30 @@ TEST(ServoSuite, NobodyAndStrangersAreNamed) {
       << report.error().message;
 }
 
+// A level that reads 0 is judged by one write: an emulator may not have the register.
+TEST(ServoSuite, OneWriteDecidesAtLevelZero) {
+  const auto bus = sim::test::bus_of({kId});
+  bus->advance(std::chrono::milliseconds(3));
+  BusLink link(*bus);
+  hil::BusRunOptions options;
+  options.filter = "packet.ping";
+  int writes = 0;
+  link.request = [&](Bytes wire) {
+    if (is(wire, kFeetech, 3)) ++writes;
+    // The order of bytes, which is 0, in place of the level.
+    return is(wire, kFeetech, 2) && wire[5] == 8 ? hil::servo_request(kFeetech, kId, 2, {2, 1})
+                                                 : wire;
+  };
+  const auto report = hil::run_bus_suite(link, link, options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(messages_of(*report), "");
+  EXPECT_EQ(writes, 1);
+  bus->servo(0).registers().set("response_level", 0);
+  const auto refused = hil::run_bus_suite(link, link, options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("answers only reads"), std::string::npos);
+}
+
 // Interrupted in the middle of each case: what it had changed is put back.
 TEST(ServoSuite, AnInterruptedRunLeavesTheServoAsItWas) {
   for (const char* model : {"sts3215", "xl330-m288"}) {
