@@ -65,7 +65,7 @@ constexpr Change kChanges[] = {
 #undef KZ_DYNAMIXEL
 #undef KZ_INITIAL
 
-constexpr bool little = false, big = true;
+constexpr bool little = false, big = true, winding = false, supply = true;
 #define KZ_INITIAL(...)
 #define KZ_SERVO(model, words, code, order, count, degrees, goes_on, syncs, unit_ms, table) \
   Model{.name = #model,                                                                     \
@@ -79,19 +79,20 @@ constexpr bool little = false, big = true;
         .protection_unit_ms = unit_ms,                                                      \
         .bauds = kFeetechBauds,                                                             \
         .registers = table},
-#define KZ_DYNAMIXEL(model, words, code, p_unit, current_unit, rpm, volts, rates, table) \
-  Model{.name = model,                                                                   \
-        .title = words,                                                                  \
-        .protocol = Protocol::dynamixel,                                                 \
-        .number = code,                                                                  \
-        .steps = 4096,                                                                   \
-        .span_rad = 360 * kDegree,                                                       \
-        .full_turn = true,                                                               \
-        .sync_read = true,                                                               \
-        .position_p_unit = p_unit,                                                       \
-        .current_unit_a = current_unit,                                                  \
-        .free_rpm_per_volt = (rpm) / (volts),                                            \
-        .bauds = rates,                                                                  \
+#define KZ_DYNAMIXEL(model, words, code, p_unit, current_unit, place, rpm, volts, rates, table) \
+  Model{.name = model,                                                                          \
+        .title = words,                                                                         \
+        .protocol = Protocol::dynamixel,                                                        \
+        .number = code,                                                                         \
+        .steps = 4096,                                                                          \
+        .span_rad = 360 * kDegree,                                                              \
+        .full_turn = true,                                                                      \
+        .sync_read = true,                                                                      \
+        .position_p_unit = p_unit,                                                              \
+        .current_unit_a = current_unit,                                                         \
+        .senses_supply_current = place,                                                         \
+        .free_rpm_per_volt = (rpm) / (volts),                                                   \
+        .bauds = rates,                                                                         \
         .registers = table},
 constexpr Model kModels[] = {
 #include "shared/dynamixel/xl330.def"

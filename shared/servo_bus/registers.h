@@ -64,10 +64,13 @@ struct Model {
   // True: the position sensor measures a full turn and then starts again at 0. If `full_turn` is true, a
   // Feetech model also has the instructions `reset_turns` and `set_middle`.
   bool full_turn = false;
-  bool sync_read = false;        // supports sync read
-  int protection_unit_ms = 0;    // Feetech: unit of the register `protection_time`
-  int position_p_unit = 0;       // DYNAMIXEL: divisor of `position_p_gain`
-  double current_unit_a = 0;     // DYNAMIXEL: unit of current, A; 0: not measured
+  bool sync_read = false;      // supports sync read
+  int protection_unit_ms = 0;  // Feetech: unit of the register `protection_time`
+  int position_p_unit = 0;     // DYNAMIXEL: divisor of `position_p_gain`
+  double current_unit_a = 0;   // DYNAMIXEL: unit of current, A; 0: not measured
+  // DYNAMIXEL: true if the current sensor is in the supply line of the bridge, false if it is in the
+  // winding's circuit.
+  bool senses_supply_current = false;
   double free_rpm_per_volt = 0;  // DYNAMIXEL: no-load speed
   std::span<const long> bauds;   // baud rates; the index is the code in the register `baud_rate`
   std::span<const Register> registers;  // sorted by address

@@ -225,6 +225,38 @@ TEST(DynamixelCurrent, IsHeldAndLimitsThePosition) {
   EXPECT_NEAR(limited.get("present_current"), 200, 10);
 }
 
+// The XL330 measures the current of the supply, the XM430 that of the winding.
+TEST(DynamixelCurrent, OfAnXl330IsThatOfTheSupply) {
+  for (const auto& [model, unit_a, of_supply] :
+       {std::tuple{"xl330-m288", 1e-3, true}, {"xm430-w350", 2.69e-3, false}}) {
+    Bench bench(model);
+    bench.set("operating_mode", 16);
+    bench.clamped = true;
+    bench.set("torque_enable", 1);
+    bench.set("goal_pwm", -177);  // 20 %
+    bench.run(0.2);
+    const double winding_a = bench.motor.motor_current();
+    EXPECT_LT(winding_a, -0.1);
+    EXPECT_NEAR(unit_a * bench.get("present_current"), (of_supply ? 0.2 : 1) * winding_a, 0.003)
+        << model;
+  }
+}
+
+// 256 turns either way.
+TEST(DynamixelTurns, ReachTheEndsOfTheExtendedRange) {
+  for (const int end : {1048575, -1048575}) {
+    Bench bench;
+    ASSERT_EQ(bench.set_error("operating_mode", 4), 0);
+    bench.angle = (end - (end > 0 ? 10000 : -10000) - 2048) / bench.steps_per_rad();
+    bench.run(0.002);
+    bench.set("torque_enable", 1);
+    EXPECT_EQ(bench.set_error("goal_position", end + (end > 0 ? 1 : -1)), 4);
+    EXPECT_EQ(bench.set_error("goal_position", end), 0);
+    bench.run(3);
+    EXPECT_NEAR(bench.get("present_position"), end, 25);
+  }
+}
+
 TEST(DynamixelTurns, AreCountedAndForgotten) {
   Bench bench;
   ASSERT_EQ(bench.set_error("operating_mode", 4), 0);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace kaz::sim {
@@ -87,8 +88,11 @@ MotorDrive DynamixelServo::drive(double step_s, Time now) {
   if (watchdog > 0 && registers_.get("torque_enable") != 0 &&
       now - last_request_ > watchdog * kWatchdogUnit)
     registers_.set("bus_watchdog", kWatchdogTripped);
-  const MotorDrive drive = motion_.step(registers_, reading_, step_s, watchdog_tripped());
-  protection_.step(registers_, reading_, motion_.duty(), step_s);
+  ServoReading measured = reading_;
+  // The reading belongs to the last step, as the duty does.
+  if (registers_.model().senses_supply_current) measured.current_a *= std::abs(motion_.duty());
+  const MotorDrive drive = motion_.step(registers_, measured, step_s, watchdog_tripped());
+  protection_.step(registers_, measured, motion_.duty(), step_s);
   return drive;
 }
 
