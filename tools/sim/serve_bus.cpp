@@ -33,6 +33,7 @@ Result<bool> serve_bus(const ServeBusOptions& options) {
   print_unused("kaz sim", {options.robot_file, options.world, options.reading, options.verbose});
   sim::WorldOptions world_options;
   world_options.dynamics = options.dynamics;
+  world_options.motor = options.motor;
   world_options.hung = options.suspended;
   world_options.reading = options.reading;
   auto bus = KAZ_TRY(sim::VirtualBus::load(world, options.robot_file, world_options));

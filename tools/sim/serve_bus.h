@@ -16,6 +16,7 @@ struct ServeBusOptions {
   std::string robot_file;  // path of a URDF file; its folder must contain bus.json
   std::string world = "empty";
   std::string dynamics = "reduced";
+  std::string motor;                   // name in motor.xml; empty: its default motor
   bool suspended = false;              // the robot is held at the trunk
   sim::ReadOptions reading = {};       // how the files of robot and world are read
   bool verbose = false;                // list each element of these files that Kaz does not use

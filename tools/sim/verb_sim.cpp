@@ -42,10 +42,10 @@ std::string not_of_a_stand(const CLI::App& verb) {
   return "";
 }
 
-// What of the options given would act in a simulator that runs: without --serial only a calibration is
-// written. Empty if there is none.
-// How pictures are made, where nothing takes any.
-std::string not_without_pictures(const CLI::App& verb) {
+// The error for an option that needs another option in a simulator of a robot; empty if there is none.
+std::string not_of_a_robot(const CLI::App& verb) {
+  if (verb.get_option("--motor")->count() > 0)
+    return "--motor needs --stand or --bus; leave --motor out";
   for (const char* taker : {"--cameras", "--record", "--view", "--write-calibration"})
     if (verb.get_option(taker)->count() > 0) return "";
   for (const char* name : {"--eyes", "--eye-width", "--renderer"})
@@ -76,7 +76,7 @@ std::string not_of_a_bus(const CLI::App& verb) {
       "--bus",       "--serial",         "--robot-file",
       "--world",     "--dynamics",       "--supply",
       "--suspended", "--mesh-collision", "--skip-missing-meshes",
-      "--strict",    "--verbose"};
+      "--motor",     "--strict",         "--verbose"};
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (option->count() > 0 && !kTaken.contains(name))
@@ -94,6 +94,7 @@ ServeBusOptions bus_options(const CLI::App& verb, const ServeOptions& arguments,
   options.serial = arguments.real_time.serial_path;
   options.robot_file = arguments.backend.robot_file;
   options.dynamics = arguments.backend.dynamics;
+  options.motor = arguments.backend.motor;
   options.reading = arguments.backend.reading;
   options.verbose = arguments.backend.verbose;
   if (verb.get_option("--world")->count() > 0) options.world = arguments.backend.world;
@@ -151,8 +152,7 @@ void add_sim(CLI::App& program, Action& action) {
       ->check(CLI::IsMember({"feetech", "dynamixel"}).description(""))
       ->type_name("feetech|dynamixel");
   add_motor_options(*verb, arguments->backend);
-  for (const char* option : {"--motor-file", "--motor", "--disc"})
-    verb->get_option(option)->needs(stand);
+  for (const char* option : {"--motor-file", "--disc"}) verb->get_option(option)->needs(stand);
   add_sim_options(*verb, arguments->backend);
   add_record_pictures(*verb, arguments->backend);
   verb->get_option("--record-pictures")->needs(record);
@@ -186,7 +186,7 @@ void add_sim(CLI::App& program, Action& action) {
     }
     const bool runs = !arguments->real_time.serial_path.empty() || arguments->calibration.empty();
     const std::string wrong = arguments->backend.stand ? not_of_a_stand(*verb)
-                              : runs                   ? not_without_pictures(*verb)
+                              : runs                   ? not_of_a_robot(*verb)
                                                        : not_of_a_calibration(*verb);
     action = [arguments, watch, wrong]() -> Result<bool> {
       if (!wrong.empty()) return fail(Fault::usage, wrong);
