@@ -15,6 +15,7 @@ constexpr double kDutyPerRad = 0.166, kMaxDuty = 0.97;
 constexpr double kDutyPerRadSecond = 0.166;
 constexpr double kSpeedDutyPerRadPerS = 0.02, kSpeedDutyPerRad = 0.2;
 constexpr int kDutySign = 1 << 10;  // SCS: of goal_time in duty mode
+constexpr int kFineSpeed = 4;       // bit of `phase`
 
 // Magnitude raised to `least`, where it is not 0.
 double at_least(double value, double least) {
@@ -27,6 +28,22 @@ FeetechMotion::Mode FeetechMotion::mode_of(const RegisterFile& registers) const 
   if (registers.has("mode")) return static_cast<Mode>(registers.get("mode"));
   const bool free = registers.get("min_angle") == 0 && registers.get("max_angle") == 0;
   return free ? Mode::duty : Mode::position;
+}
+
+std::string_view FeetechMotion::goal_register(const RegisterFile& registers) const {
+  switch (mode_of(registers)) {
+    case Mode::speed:
+      return "goal_speed";
+    case Mode::duty:
+      return "goal_time";
+    default:
+      return "goal_position";
+  }
+}
+
+double FeetechMotion::speed_unit(const RegisterFile& registers) {
+  const bool coarse = registers.has("speed_unit") && (registers.get("phase") & kFineSpeed) == 0;
+  return coarse ? registers.get("speed_unit") : 1;
 }
 
 int FeetechMotion::position(const RegisterFile& registers) const {

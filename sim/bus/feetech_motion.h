@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "sim/body/motor/motor_drive.h"
 #include "sim/bus/register_file.h"
@@ -33,7 +34,10 @@ class FeetechMotion {
   void power_on(const ServoReading& reading);
   // Call after a host has written goal_position.
   void goal_written(const RegisterFile& registers);
-  // Makes `position` the present position by setting the register position_offset.
+  // Returns the register that contains the goal of the present mode.
+  std::string_view goal_register(const RegisterFile& registers) const;
+  // Makes `position` the present position by setting the register position_offset. The offset is kept without
+  // power, also if EEPROM is locked.
   void set_position(RegisterFile& registers, int position);
   // Sets the number of turns counted since power-on to 0.
   void reset_turns(const servo_bus::Model& model);
@@ -43,6 +47,8 @@ class FeetechMotion {
  private:
   enum class Mode { position, speed, duty, steps };
   Mode mode_of(const RegisterFile& registers) const;
+  // Returns the unit of goal_speed and present_speed, steps/s.
+  static double speed_unit(const RegisterFile& registers);
   int position(const RegisterFile& registers) const;
   double goal(const RegisterFile& registers) const;
   void hold(double position);

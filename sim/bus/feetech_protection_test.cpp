@@ -41,6 +41,35 @@ TEST(Overload, LimitsTheOutputAfterItsTimeUntilTheNextGoal) {
   EXPECT_NEAR(bench.get("present_position"), 2048, 14);
 }
 
+// The goal of each mode, and a goal of another mode, which releases nothing.
+TEST(Overload, IsReleasedByTheGoalOfTheMode) {
+  struct Case {
+    int mode;
+    const char *goal, *other;
+    int value;
+  };
+  for (const Case& c :
+       {Case{1, "goal_speed", "goal_time", 2400}, {2, "goal_time", "goal_speed", 1000}}) {
+    ServoBench bench;
+    bench.set("mode", c.mode);
+    bench.set("torque_enable", 1);
+    bench.clamped = true;
+    bench.set(c.goal, c.value);
+    bench.run(4);
+    EXPECT_EQ(bench.get("status"), feetech::kOverloadError) << c.mode;
+    EXPECT_EQ(bench.get("present_load"), 200) << c.mode;
+    bench.set(c.other, 100);
+    bench.set("goal_position", 1000);
+    bench.run(0.1);
+    EXPECT_EQ(bench.get("status"), feetech::kOverloadError) << c.mode;
+    bench.set(c.goal, -c.value);
+    bench.clamped = false;
+    bench.run(1);
+    EXPECT_EQ(bench.get("status"), 0) << c.mode;
+    EXPECT_LT(bench.speed, -3) << c.mode;
+  }
+}
+
 TEST(Overload, IsReportedOnlyWhereItsBitIsClear) {
   ServoBench bench;
   bench.set("unload_condition", 44 & ~feetech::kOverloadError);

@@ -165,12 +165,12 @@ void FeetechServo::write(std::uint8_t address, Bytes bytes) {
     registers_.set("torque_enable", torque);
     motion_.set_position(registers_, kMiddle);
   }
+  if (has(motion_.goal_register(registers_))) protection_.goal_written();
   if (!has("goal_position")) return;
   // Concluded from clients that never write torque_enable, whose initial value is 0: Feetech's own example
   // WritePos (ftservo/FTServo_Linux), @lerobot/web.
   registers_.set("torque_enable", 1);
   motion_.goal_written(registers_);
-  protection_.goal_written();
 }
 
 }  // namespace kaz::sim
