@@ -256,7 +256,78 @@ TEST(Position, IsCalibratedToTheMiddle) {
     EXPECT_EQ(bench.get("present_position"), way == 2 ? 1024 : 2048) << way;
     EXPECT_EQ(bench.get("position_offset"), way == 2 ? 1676 : 652) << way;
     EXPECT_EQ(bench.get("torque_enable"), 0);
+    EXPECT_EQ(bench.get("lock"), 1);
+    bench.power_cycle();
+    bench.run(0.001);
+    EXPECT_EQ(bench.get("present_position"), way == 2 ? 1024 : 2048) << "kept without power";
   }
+}
+
+TEST(Position, CountsTurnsFromPowerOn) {
+  ServoBench bench;
+  bench.set("lock", 0);
+  bench.set("phase", 12 | 16);
+  bench.angle = -6 * std::numbers::pi;
+  bench.run(0.001);
+  EXPECT_EQ(bench.get("present_position"), 2048 - 3 * 4096);
+  bench.power_cycle();
+  bench.run(0.001);
+  EXPECT_EQ(bench.get("present_position"), 2048);
+}
+
+// Bit 2 of `phase`: the unit of speeds is 1 step/s, else 50.
+TEST(Phase, SelectsTheUnitOfSpeeds) {
+  for (const auto& [phase, unit] : {std::pair{12, 1}, {8, 50}}) {
+    ServoBench bench;
+    bench.set("phase", phase);
+    bench.set("torque_enable", 1);
+    bench.set("goal_speed", 1000 / unit);
+    bench.set("goal_position", 4000);
+    bench.run(0.3);
+    const int before = bench.get("present_target");
+    bench.run(1);
+    EXPECT_NEAR(bench.get("present_target") - before, 1000, 2) << phase;
+    EXPECT_NEAR(bench.get("present_speed") * unit, 1000, 100) << phase;
+    ServoBench wheel;
+    wheel.set("phase", phase);
+    wheel.set("mode", 1);
+    wheel.set("torque_enable", 1);
+    wheel.set("goal_speed", -2000 / unit);
+    wheel.run(1.5);
+    EXPECT_NEAR(wheel.speed * wheel.steps_per_rad(), -2000, 60) << phase;
+  }
+}
+
+TEST(Phase, ReversesTheFeedbackAndTheDrive) {
+  ServoBench bench;
+  bench.angle = 0.5;
+  bench.run(0.001);
+  const int before = bench.get("present_position");
+  bench.set("phase", 12 | 128);
+  bench.run(0.001);
+  EXPECT_EQ(bench.get("present_position"), 4095 - before);
+  // Both bits: the servo turns the other way, and its loops are as stable as before.
+  bench.set("phase", 12 | 128 | 1);
+  bench.set("torque_enable", 1);
+  bench.set("goal_position", 3000);
+  bench.run(0.2);
+  EXPECT_GT(bench.get("present_speed"), 500);
+  EXPECT_GT(bench.get("present_load"), 0);
+  EXPECT_GT(bench.get("present_current"), 0);
+  EXPECT_LT(bench.speed, 0);
+  bench.run(1.5);
+  EXPECT_NEAR(bench.get("present_position"), 3000, 14);
+  EXPECT_NEAR(bench.angle * bench.steps_per_rad(), 4095 - 3000 - 2048, 14);
+  // The drive alone: a duty turns the motor backward.
+  ServoBench driven;
+  driven.set("phase", 12 | 1);
+  driven.set("mode", 2);
+  driven.set("torque_enable", 1);
+  driven.set("goal_time", 1000);
+  driven.run(4);
+  EXPECT_LT(driven.speed, -4.5);
+  EXPECT_EQ(driven.get("present_load"), 970);
+  EXPECT_EQ(driven.get("status"), 0) << "free running is no overload";
 }
 
 TEST(Scs, GoalTimeIsTheTimeOfTheMotion) {

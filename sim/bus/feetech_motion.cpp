@@ -105,7 +105,7 @@ void FeetechMotion::hold(double position) {
 void FeetechMotion::follow_profile(const RegisterFile& registers, double goal, double step_s) {
   const double unit = registers.get("speed_unit");
   const double highest = registers.has("max_speed") ? unit * registers.get("max_speed") : INFINITY;
-  double speed = std::abs(registers.get("goal_speed"));
+  double speed = std::abs(registers.get("goal_speed")) * speed_unit(registers);
   if (speed == 0) {
     const bool zero_is_highest = !registers.has("max_speed") || (registers.get("phase") & 8) != 0;
     speed = zero_is_highest ? highest : 0;
@@ -134,7 +134,8 @@ double FeetechMotion::position_loop(const RegisterFile& registers, double positi
 }
 
 double FeetechMotion::speed_loop(const RegisterFile& registers, double speed, double step_s) {
-  const int goal = registers.get("goal_speed"), acceleration = registers.get("acceleration");
+  const double goal = registers.get("goal_speed") * speed_unit(registers);
+  const int acceleration = registers.get("acceleration");
   trajectory_.reach_speed(goal, 100.0 * acceleration, step_s);
   const double error = (trajectory_.speed - speed) / registers.model().steps_per_rad();
   const double i = kSpeedDutyPerRad * registers.get("speed_i");
@@ -194,7 +195,8 @@ MotorDrive FeetechMotion::step(RegisterFile& registers, const ServoReading& read
 void FeetechMotion::report(RegisterFile& registers, const ServoReading& reading,
                            int position) const {
   registers.set("present_position", position);
-  registers.set("present_speed", static_cast<int>(std::lround(reading.speed)));
+  registers.set("present_speed",
+                static_cast<int>(std::lround(reading.speed / speed_unit(registers))));
   registers.set("present_load", static_cast<int>(std::lround(1e3 * duty_)));
   registers.set("present_target", static_cast<int>(std::lround(trajectory_.position)));
   const double threshold = registers.get("moving_threshold", 1) * registers.get("speed_unit", 20);

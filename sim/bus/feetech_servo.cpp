@@ -15,11 +15,28 @@ using servo_bus::Register;
 namespace {
 constexpr int kMiddle = 2048;            // of position calibration
 constexpr int kCalibratePosition = 128;  // written to torque_enable
+// Bits of `phase`.
+constexpr int kDriveReversed = 1, kFeedbackReversed = 128;
+constexpr std::size_t kStsPingAnswerBits = 60;
 }  // namespace
+
+bool FeetechServo::phase_has(int bit) const {
+  return registers_.model().full_turn && (registers_.get("phase") & bit) != 0;
+}
+
+ServoReading FeetechServo::sensed() const {
+  ServoReading sensed = reading_;
+  if (phase_has(kFeedbackReversed)) {
+    sensed.steps = registers_.model().steps - 1 - reading_.steps;
+    sensed.speed = -reading_.speed;
+  }
+  return sensed;
+}
 
 void FeetechServo::restart() {
   registers_.set("torque_limit", registers_.get("max_torque"));
-  motion_.power_on(reading_);
+  motion_.power_on(sensed());
+  motion_.reset_turns(registers_.model());
   protection_.power_on();
   reg_write_.reset();
   turn_.reset();
@@ -27,8 +44,14 @@ void FeetechServo::restart() {
 
 MotorDrive FeetechServo::drive(double step_s, Time) {
   const double limit = protection_.limit(registers_);
-  const MotorDrive drive = motion_.step(registers_, reading_, limit, step_s);
-  protection_.step(registers_, reading_, motion_.duty(), step_s);
+  MotorDrive drive = motion_.step(registers_, sensed(), limit, step_s);
+  // Current and speed in the direction of a positive duty.
+  const double direction = phase_has(kDriveReversed) ? -1 : 1;
+  ServoReading driven = reading_;
+  driven.current_a *= direction;
+  driven.speed *= direction;
+  protection_.step(registers_, driven, motion_.duty(), step_s);
+  drive.duty *= direction;
   return drive;
 }
 

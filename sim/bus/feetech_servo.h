@@ -43,6 +43,11 @@ class FeetechServo final : public VirtualServo {
   std::optional<Answer> sync_read(Bytes parameters);
   void sync_write(Bytes parameters);
   void write(std::uint8_t address, Bytes bytes);
+  std::optional<Answer> ping(bool broadcast) const;
+  // Returns whether the register `phase` of an STS servo has this bit. The bits of SCS servos are unknown.
+  bool phase_has(int bit) const;
+  // Returns reading_ as the position loop receives it: reversed if `phase` reverses the feedback.
+  ServoReading sensed() const;
   void restart() override;
   MotorDrive drive(double step_s, Time now) override;
   void drop_packet() override { reader_.reset(); }

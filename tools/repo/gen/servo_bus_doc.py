@@ -35,7 +35,9 @@ def rows(path):
     for kind, line in LINE.findall(text):
         if kind not in COLUMNS:
             continue
-        cells = next(csv.reader([" ".join(line.split())], skipinitialspace=True))
+        # As in C, adjacent strings are one.
+        whole = " ".join(line.split()).replace('" "', "")
+        cells = next(csv.reader([whole], skipinitialspace=True))
         names = COLUMNS[kind].split()
         if len(cells) != len(names):
             raise Refused(f"{path}: {kind}({line}) does not have {len(names)} columns")
