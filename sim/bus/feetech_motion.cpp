@@ -85,7 +85,7 @@ void FeetechMotion::set_position(RegisterFile& registers, int position) {
   if (offset > steps / 2 - 1) offset -= steps;
   if (offset < -(steps / 2 - 1)) offset += steps;
   registers.set("position_offset", std::clamp(offset, 1 - steps / 2, steps / 2 - 1));
-  if (!registers.locked()) registers.keep("position_offset");
+  registers.keep("position_offset");
   hold(this->position(registers));
 }
 
