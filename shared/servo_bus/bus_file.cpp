@@ -59,7 +59,7 @@ struct Reader {
 
   Result<BusServo> servo(const json& in, Protocol protocol) const {
     if (!in.is_object()) return error("\"servos\" has an entry that is not an object");
-    KAZ_TRY(known(in, {"joint", "id", "model", "zero", "reversed"}));
+    KAZ_TRY(known(in, {"joint", "id", "model", "zero", "reversed", "supply_volts"}));
     BusServo servo;
     servo.joint = KAZ_TRY(text(in, "joint"));
     const auto model = KAZ_TRY(text(in, "model"));
@@ -80,7 +80,24 @@ struct Reader {
     if (reversed != in.end() && !reversed->is_boolean())
       return error("\"reversed\" must be true or false");
     servo.reversed = reversed != in.end() && reversed->get<bool>();
+    if (in.contains("supply_volts")) servo.supply_volts = KAZ_TRY(volts(in));
     return servo;
+  }
+
+  Result<double> volts(const json& in) const { return number(in, "supply_volts", 0, 30, NAN); }
+
+  // How virtual servos answer a broadcast ping.
+  Result<bool> broadcast_ping_in_turn(const json& in, Protocol protocol) const {
+    if (!in.contains("broadcast_ping")) return false;
+    if (protocol != Protocol::feetech)
+      return error(
+          "\"broadcast_ping\" is only for the protocol \"feetech\"; DYNAMIXEL servos always answer "
+          "in turn");
+    const auto way = KAZ_TRY(text(in, "broadcast_ping"));
+    if (way != "together" && way != "in turn")
+      return error("\"broadcast_ping\" is \"" + cut_text(way) +
+                   "\": it must be \"together\" or \"in turn\"");
+    return way == "in turn";
   }
 
   Result<long> baud(const json& in, Protocol protocol) const {
@@ -130,8 +147,8 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
   if (!parsed) return reader.error(parsed.error().message);
   const json& all = *parsed;
   if (!all.is_object()) return reader.error("is not a JSON object");
-  KAZ_TRY(
-      reader.known(all, {"protocol", "baud", "supply_volts", "supply_ohm", "settings", "servos"}));
+  KAZ_TRY(reader.known(all, {"protocol", "baud", "supply_volts", "supply_ohm", "broadcast_ping",
+                             "settings", "servos"}));
   const auto protocol = KAZ_TRY(reader.text(all, "protocol"));
   BusFile file;
   if (protocol == name_of(Protocol::dynamixel)) {
@@ -140,8 +157,9 @@ Result<BusFile> parse_bus_file(const std::string& path, const std::string& text)
     return reader.error("\"protocol\" must be \"feetech\" or \"dynamixel\"");
   }
   file.baud = KAZ_TRY(reader.baud(all, file.protocol));
-  file.supply_volts = KAZ_TRY(reader.number(all, "supply_volts", 0, 30, NAN));
+  file.supply_volts = KAZ_TRY(reader.volts(all));
   file.supply_ohm = KAZ_TRY(reader.number(all, "supply_ohm", 0, 10, 0));
+  file.broadcast_ping_in_turn = KAZ_TRY(reader.broadcast_ping_in_turn(all, file.protocol));
   const auto servos = all.find("servos");
   if (servos == all.end() || !servos->is_array() || servos->empty())
     return reader.error("the list \"servos\" is missing or empty");

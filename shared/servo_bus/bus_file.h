@@ -6,6 +6,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct BusServo {
   const Model* model = nullptr;  // never null in a parsed file
   double zero = 0;               // reading of the position sensor at joint angle 0, steps
   bool reversed = false;         // true: the sensor reading falls as the joint angle rises
+  // Voltage of the servo's own supply; empty: the bus's supply. Servos with equal values share one supply.
+  std::optional<double> supply_volts = std::nullopt;
 
   // Convert between joint angle (rad) and sensor steps, without wrapping.
   double steps_at(double angle) const { return zero + sign() * angle * model->steps_per_rad(); }
@@ -37,7 +40,9 @@ struct BusFile {
   Protocol protocol = Protocol::feetech;
   long baud = 0;  // a rate that servos of this protocol support
   double supply_volts = 0;
-  double supply_ohm = 0;  // resistance of battery and wires
+  double supply_ohm = 0;  // resistance of battery and wires, of each supply
+  // Virtual Feetech servos answer a broadcast ping in the order of their ids; false: all at once.
+  bool broadcast_ping_in_turn = false;
   std::vector<BusSetting> settings;
   std::vector<BusServo> servos;
 };

@@ -52,6 +52,35 @@ TEST(BusFile, RateAndSettingsOfDynamixels) {
   }
 }
 
+TEST(BusFile, SupplyOfAServoAndBroadcastPing) {
+  const auto file = [](const std::string& protocol, const std::string& model,
+                       const std::string& bus, const std::string& servo) {
+    return R"({"protocol": ")" + protocol + R"(", "supply_volts": 12, )" + bus +
+           R"("servos": [{"joint": "a", "id": 1, "model": ")" + model + "\"" + servo + "}]}";
+  };
+  const auto koch =
+      parse_bus_file("bus.json", file("dynamixel", "xl330-m288", "", R"(, "supply_volts": 5)"));
+  ASSERT_TRUE(koch) << koch.error().message;
+  EXPECT_EQ(koch->servos[0].supply_volts, 5.0);
+  const auto plain = parse_bus_file("bus.json", file("feetech", "sts3215", "", ""));
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_FALSE(plain->servos[0].supply_volts);
+  EXPECT_FALSE(plain->broadcast_ping_in_turn);
+  for (const auto& [text, in_turn] : {std::pair{"in turn", true}, {"together", false}}) {
+    const std::string key = R"("broadcast_ping": ")" + std::string(text) + "\", ";
+    const auto parsed = parse_bus_file("bus.json", file("feetech", "sts3215", key, ""));
+    ASSERT_TRUE(parsed) << parsed.error().message;
+    EXPECT_EQ(parsed->broadcast_ping_in_turn, in_turn);
+    EXPECT_FALSE(parse_bus_file("bus.json", file("dynamixel", "xl330-m288", key, "")));
+  }
+  for (const auto& [bus, servo] : {std::pair{R"("broadcast_ping": "never", )", ""},
+                                   {R"("broadcast_ping": 1, )", ""},
+                                   {"", R"(, "supply_volts": 31)"},
+                                   {"", R"(, "supply_volts": "5")"}})
+    EXPECT_FALSE(parse_bus_file("bus.json", file("feetech", "sts3215", bus, servo)))
+        << bus << servo;
+}
+
 TEST(BusFile, StepsAndAngles) {
   const Model& model = *find_model("sts3215");
   const BusServo plain{"j", 1, &model, 2048, false}, reversed{"j", 1, &model, 2000, true};

@@ -18,7 +18,7 @@ using servo_bus::Register;
 
 namespace {
 
-constexpr std::size_t kPingAnswerBits = 140;
+constexpr std::size_t kDxlPingAnswerBits = 140;
 constexpr std::array<std::uint8_t, 5> kClearTurns{0x01, 0x44, 0x58, 0x4C, 0x22};
 constexpr std::array<std::uint8_t, 5> kStore{0x01, 0x43, 0x54, 0x52, 0x4C};
 constexpr std::array<std::uint8_t, 5> kRestore{0x02, 0x43, 0x54, 0x52, 0x4C};
@@ -229,8 +229,7 @@ std::optional<VirtualServo::Answer> DynamixelServo::ping(bool broadcast) const {
   auto answer = status(
       Failure::none,
       {low(number), high(number), static_cast<std::uint8_t>(registers_.get("firmware_version"))});
-  const Time bits(static_cast<std::int64_t>(kPingAnswerBits * 1e9 / static_cast<double>(baud())));
-  if (broadcast) answer->delay += registers_.get("id") * (kPingSlot + bits);
+  if (broadcast) answer->delay += ping_turn(registers_.get("id"), kDxlPingAnswerBits);
   return answer;
 }
 

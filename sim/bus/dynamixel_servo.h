@@ -36,9 +36,6 @@ class DynamixelServo final : public VirtualServo {
   static constexpr Time kMaxGap = std::chrono::microseconds(1500);
   // Duration of a reboot (chosen by us).
   static constexpr Time kReboot = std::chrono::milliseconds(300);
-  // After a broadcast ping, each id has a time slot for its answer. The length of a slot is kPingSlot (chosen
-  // by us) plus the duration of one answer.
-  static constexpr Time kPingSlot = std::chrono::milliseconds(1);
 
  private:
   using Bytes = std::span<const std::uint8_t>;

@@ -92,7 +92,7 @@ std::optional<VirtualServo::Answer> FeetechServo::execute(const Packet& packet, 
     case Instruction::ping:
       if (!parameters.empty()) return std::nullopt;
       ++executed_;
-      return answer();
+      return ping(broadcast);
     case Instruction::read:
       if (broadcast || parameters.size() != 2) return std::nullopt;
       ++executed_;
@@ -149,6 +149,13 @@ std::optional<VirtualServo::Answer> FeetechServo::execute(const Packet& packet, 
       return std::nullopt;
   }
   return std::nullopt;
+}
+
+std::optional<VirtualServo::Answer> FeetechServo::ping(bool broadcast) const {
+  auto pinged = answer();
+  if (broadcast && broadcast_ping_in_turn_)
+    pinged->delay += ping_turn(registers_.get("id"), kStsPingAnswerBits);
+  return pinged;
 }
 
 // Address, length, ids.

@@ -20,6 +20,7 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
     if (code != mount.model->bauds.end())
       servo->set_up("baud_rate", static_cast<int>(code - mount.model->bauds.begin()));
     for (const servo_bus::BusSetting& one : file.settings) servo->set_up(one.name, one.value);
+    servo->answer_broadcast_ping_in_turn(file.broadcast_ping_in_turn);
     servos.push_back({mount, std::move(servo), static_cast<std::size_t>(joint - joints.begin())});
   }
   for (const std::string& joint : joints) {

@@ -27,6 +27,12 @@ long VirtualServo::baud() const {
   return registers_.model().bauds[code];
 }
 
+Time VirtualServo::ping_turn(int id, std::size_t answer_bits) const {
+  constexpr Time kSlot = std::chrono::milliseconds(1);
+  const double bits_ns = static_cast<double>(answer_bits) * 1e9 / static_cast<double>(baud());
+  return id * (kSlot + Time(static_cast<std::int64_t>(bits_ns)));
+}
+
 void VirtualServo::set_power(bool on, const ServoReading& reading) {
   reading_ = reading;
   const bool starts = on && !power_;

@@ -45,6 +45,9 @@ class VirtualServo {
   // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 
+  // Sets how a Feetech servo answers a broadcast ping: at once, or in the order of the ids. DYNAMIXEL servos
+  // always answer in the order of the ids.
+  void answer_broadcast_ping_in_turn(bool in_turn) { broadcast_ping_in_turn_ = in_turn; }
   // Writes a register permanently, as a user does when setting up the servo for a robot.
   void set_up(std::string_view name, int value);
   RegisterFile& registers() { return registers_; }
@@ -63,11 +66,15 @@ class VirtualServo {
   // Restarts the servo. The servo ignores the bus until `until`.
   void restart_until(Time until);
   bool hears(Time now) const { return power_ && now >= deaf_until_; }
+  // Returns the additional delay of the answer to a broadcast ping if servos answer in the order of their
+  // ids. Each id has a time slot of 1 ms (chosen by us) plus the duration of `answer_bits`.
+  Time ping_turn(int id, std::size_t answer_bits) const;
 
   RegisterFile registers_;
   ServoReading reading_;
   Time last_byte_{};
   std::uint64_t executed_ = 0;
+  bool broadcast_ping_in_turn_ = false;
 
  private:
   Time deaf_until_{};
