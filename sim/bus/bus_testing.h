@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -30,14 +31,17 @@ class ShaftWorld final : public World {
   double time_s() const override { return time_; }
   void step(std::span<const MotorDrive> drives, double) override {
     time_ += step_s();
+    drives_.assign(drives.begin(), drives.end());
+    current_ = 0;
     for (std::size_t i = 0; i < joints_.size(); ++i) {
+      current_ += drives[i].duty * joints_[i].current;
       joints_[i].velocity = drives[i].powered ? 5 * drives[i].duty : 0;
       joints_[i].angle += step_s() * joints_[i].velocity;
     }
   }
   std::span<const JointState> joints() const override { return joints_; }
   std::span<const std::string> joint_order() const override { return names_; }
-  double supply_current_a() const override { return 0; }
+  double supply_current_a() const override { return current_; }
   const ImuState& imu() const override { return imu_; }
   const Scene& scene() const override { return scene_; }
   ScenePose pose() const override { return {}; }
@@ -52,10 +56,11 @@ class ShaftWorld final : public World {
   std::string dynamics() const override { return "none"; }
 
   std::vector<JointState> joints_;
+  std::vector<MotorDrive> drives_;  // drives in the last step
 
  private:
   std::vector<std::string> names_;
-  double time_ = 0;
+  double time_ = 0, current_ = 0;
   ImuState imu_;
   Scene scene_;
 };
@@ -109,9 +114,10 @@ inline Bytes write_request(const servo_bus::Model& model, int id, const std::str
              : dynamixel::wire_of(DynamixelWire::write(id, reg.address, data));
 }
 
-// Returns a bus at 1 Mbaud with servos of the given ids.
-inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
-                                          const std::string& model = "sts3215") {
+// Returns a bus at 1 Mbaud with servos of the given ids. `alter` may change the bus's file.
+inline std::unique_ptr<VirtualBus> bus_of(
+    const std::vector<int>& ids, const std::string& model = "sts3215",
+    const std::function<void(servo_bus::BusFile&)>& alter = nullptr) {
   static const std::map<std::string, double> kVolts{
       {"sts3215", 7.4}, {"scs0009", 6}, {"xl430-w250", 11.1}, {"xm430-w350", 12}};
   servo_bus::BusFile file;
@@ -122,6 +128,7 @@ inline std::unique_ptr<VirtualBus> bus_of(const std::vector<int>& ids,
     const servo_bus::Model* found = servo_bus::find_model(model);
     file.servos.push_back({world->joint_order()[i], ids[i], found, found->steps / 2.0, false});
   }
+  if (alter) alter(file);
   auto bus = VirtualBus::create(std::move(world), file);
   EXPECT_TRUE(bus) << bus.error().message;
   return bus ? std::move(*bus) : nullptr;

@@ -29,6 +29,11 @@ void HalfDuplexLine::set_damage(double share, std::uint64_t seed) {
   random_ = Random(seed);
 }
 
+void HalfDuplexLine::set_echo(std::size_t node, bool on) {
+  uarts_[node].echo = on;
+  uarts_[node].known = false;
+}
+
 Time HalfDuplexLine::send(std::size_t node, std::span<const std::uint8_t> bytes, Time from) {
   Uart& sender = uarts_[node];
   const Time begin = std::max(from, sender.sent_until);
@@ -51,11 +56,11 @@ Time HalfDuplexLine::busy_until() const {
   return std::ranges::max_element(uarts_, {}, &Uart::sent_until)->sent_until;
 }
 
-// As `node` hears it: without its own bytes.
+// The level that `node` receives.
 bool HalfDuplexLine::level(std::size_t node, Time at) const {
   for (const WireByte& byte : wire_) {
     if (byte.start > at) break;
-    if (byte.node == node || at >= byte.end) continue;
+    if (ignores(node, byte) || at >= byte.end) continue;
     const auto bit = static_cast<int>(static_cast<double>((at - byte.start).count()) / byte.bit_ns);
     if (!byte.high(std::min(bit, kBits - 1))) return false;
   }
@@ -66,7 +71,7 @@ std::optional<Time> HalfDuplexLine::falling_edge(std::size_t node, Time from) co
   std::optional<Time> first;
   for (const WireByte& byte : wire_) {
     if (first && byte.start >= *first) break;
-    if (byte.node == node || byte.end <= from) continue;
+    if (ignores(node, byte) || byte.end <= from) continue;
     for (int bit = 0; bit < kBits; ++bit) {
       if (byte.high(bit) || (bit > 0 && !byte.high(bit - 1))) continue;
       const Time edge = byte.edge(bit);
@@ -80,7 +85,7 @@ std::optional<Time> HalfDuplexLine::falling_edge(std::size_t node, Time from) co
 // In its stop bit a node listens: an answer to a sender whose clock is slow begins there.
 bool HalfDuplexLine::sends(std::size_t node, Time at) const {
   return std::ranges::any_of(wire_, [&](const WireByte& byte) {
-    return byte.node == node && byte.start <= at && at < byte.edge(kBits - 1);
+    return ignores(node, byte) && byte.start <= at && at < byte.edge(kBits - 1);
   });
 }
 

@@ -5,9 +5,9 @@
 // nodes send different bytes at the same time, the nodes corrupt each other's bytes. Each node has a UART
 // with its own baud rate. After a falling edge, the UART samples the wire in the middle of each bit. If the
 // baud rates of sender and receiver differ too much, bytes therefore arrive as garbage or with a framing
-// error. A node does not receive the bytes that it sends. All times are in simulated time. The simulation is
-// deterministic: if all calls are repeated with the same arguments, the received bytes and their times are
-// identical.
+// error. Without set_echo(), a node does not receive the bytes that it sends. All times are in simulated
+// time. The simulation is deterministic: if all calls are repeated with the same arguments, the received
+// bytes and their times are identical.
 #pragma once
 
 #include <cstddef>
@@ -39,6 +39,8 @@ class HalfDuplexLine {
   // Damages bytes that are sent from now on: with the probability `share`, one random bit of a byte is
   // flipped.
   void set_damage(double share, std::uint64_t seed);
+  // Sets whether a node also receives the bytes that it sends itself.
+  void set_echo(std::size_t node, bool on);
   // Number of bytes with a flipped bit.
   std::uint64_t damaged() const { return damaged_; }
 
@@ -65,6 +67,7 @@ class HalfDuplexLine {
     double bit_ns;
     Time from{};         // the UART ignores falling edges before this time
     Time sent_until{};   // end of the bytes that the node itself sends
+    bool echo = false;   // the node receives its own bytes
     bool known = false;  // true: `next` is up to date
     std::optional<Received> next;
     // Time of the middle of the stop bit of the byte in `next`. When the function next() returns this
@@ -72,6 +75,10 @@ class HalfDuplexLine {
     Time after{};
   };
 
+  // Returns whether the receiver of `node` ignores a byte because the node sends the byte itself.
+  bool ignores(std::size_t node, const WireByte& byte) const {
+    return byte.node == node && !uarts_[node].echo;
+  }
   bool level(std::size_t node, Time at) const;
   std::optional<Time> falling_edge(std::size_t node, Time from) const;
   bool sends(std::size_t node, Time at) const;

@@ -134,6 +134,25 @@ TEST(HalfDuplexLine, HearsAnAnswerInItsOwnStopBit) {
   EXPECT_EQ(second->byte, 8);
 }
 
+TEST(HalfDuplexLine, ReturnsTheBytesOfANodeWithAnEcho) {
+  HalfDuplexLine line(2);
+  line.set_echo(0, true);
+  line.send(0, Bytes{7, 8}, Time(0));
+  for (const auto& [node, byte] : {std::pair{0, 7}, {1, 7}, {0, 8}, {1, 8}}) {
+    const auto received = line.next(milliseconds(1));
+    ASSERT_TRUE(received);
+    EXPECT_EQ(received->node, static_cast<std::size_t>(node));
+    EXPECT_EQ(received->byte, byte);
+    EXPECT_TRUE(received->stop_bit);
+    if (node == 1 && byte == 8) line.send(1, Bytes{9}, received->at);
+  }
+  const auto answer = line.next(milliseconds(1));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->node, 0u);
+  EXPECT_EQ(answer->byte, 9);
+  EXPECT_FALSE(line.next(milliseconds(1))) << "node 1 has no echo";
+}
+
 TEST(HalfDuplexLine, DamagesTheShareThatIsSet) {
   HalfDuplexLine line(2);
   line.set_damage(0.01, 3);

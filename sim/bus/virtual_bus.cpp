@@ -44,16 +44,24 @@ VirtualBus::VirtualBus(std::unique_ptr<World> world, const servo_bus::BusFile& f
     : world_(std::move(world)),
       servos_(std::move(servos)),
       line_(servos_.size() + 1),
-      supply_volts_(file.supply_volts),
+      supplies_{{file.supply_volts}},
       supply_ohm_(file.supply_ohm),
       next_step_(from_seconds(world_->step_s())),
       step_length_(next_step_) {
+  for (Mounted& one : servos_) {
+    if (!one.mount.supply_volts) continue;
+    const auto shared = std::find_if(supplies_.begin() + 1, supplies_.end(), [&](const auto& own) {
+      return own.volts == *one.mount.supply_volts;
+    });
+    one.supply = static_cast<std::size_t>(shared - supplies_.begin());
+    if (shared == supplies_.end()) supplies_.push_back({*one.mount.supply_volts});
+  }
   set_power(false);
   set_power(true);
 }
 
-double VirtualBus::volts() const {
-  return power_ ? std::max(0.0, supply_volts_ - supply_ohm_ * world_->supply_current_a()) : 0;
+double VirtualBus::volts_of(const Supply& supply) const {
+  return power_ ? std::max(0.0, supply.volts - supply_ohm_ * supply.current_a) : 0;
 }
 
 ServoReading VirtualBus::reading_of(const Mounted& one) const {
@@ -63,7 +71,7 @@ ServoReading VirtualBus::reading_of(const Mounted& one) const {
           .speed = sign * joint.velocity * one.mount.model->steps_per_rad(),
           .current_a = sign * joint.current,
           .case_celsius = joint.case_celsius,
-          .supply_volts = volts()};
+          .supply_volts = volts_of(supplies_[one.supply])};
 }
 
 void VirtualBus::set_power(bool on) {
@@ -85,7 +93,8 @@ Time VirtualBus::write(std::span<const std::uint8_t> bytes) {
 
 void VirtualBus::receive(const HalfDuplexLine::Received& received) {
   if (received.node == 0) {
-    if (received.stop_bit) received_.push_back({received.byte, received.at});
+    if (received.stop_bit) held_.push_back({received.byte, received.at});
+    if (held_.size() == kAdapterPacket) hand_over();
     return;
   }
   VirtualServo& servo = *servos_[received.node - 1].servo;
@@ -93,6 +102,22 @@ void VirtualBus::receive(const HalfDuplexLine::Received& received) {
   const auto answer = servo.take(received.byte, received.at);
   if (answer) line_.send(received.node, answer->bytes, received.at + answer->delay);
   line_.set_baud(received.node, static_cast<double>(servo.baud()));
+}
+
+void VirtualBus::set_adapter_latency(Time latency) {
+  adapter_latency_ = latency;
+}
+
+// The timer of the adapter runs freely: it ends at multiples of the latency.
+void VirtualBus::hand_over() {
+  if (held_.empty()) return;
+  if (adapter_latency_ > Time::zero() && held_.size() < kAdapterPacket) {
+    const Time end = (held_.front().at / adapter_latency_ + 1) * adapter_latency_;
+    if (time_ < end) return;
+    for (HostByte& byte : held_) byte.at = std::max(byte.at, end);
+  }
+  received_.insert(received_.end(), held_.begin(), held_.end());
+  held_.clear();
 }
 
 void VirtualBus::turn_by_hand(std::size_t i, double angle) {
@@ -121,9 +146,25 @@ void VirtualBus::step() {
     MotorDrive drive = one.servo->step(reading_of(one), world_->step_s(), next_step_);
     drive.duty *= one.mount.sign();
     if (one.hand_goal && !drive.powered) drive = hand_on(one);
+    if (one.supply > 0) drive.supply_volts = volts_of(supplies_[one.supply]);
     drives[one.joint] = drive;
   }
   world_->step(drives, volts());
+  measure_supplies(drives);
+}
+
+// The bus's supply feeds the motors without an own supply.
+void VirtualBus::measure_supplies(const std::vector<MotorDrive>& drives) {
+  for (Supply& supply : supplies_) supply.current_a = 0;
+  supplies_[0].current_a = world_->supply_current_a();
+  for (const Mounted& one : servos_) {
+    const MotorDrive& drive = drives[one.joint];
+    if (one.supply == 0 || !drive.powered) continue;
+    const double current_a =
+        std::clamp(drive.duty, -1.0, 1.0) * world_->joints()[one.joint].current;
+    supplies_[one.supply].current_a += current_a;
+    supplies_[0].current_a -= current_a;
+  }
 }
 
 void VirtualBus::advance(Time until) {
@@ -131,6 +172,7 @@ void VirtualBus::advance(Time until) {
     const Time end = std::min(until, next_step_);
     while (const auto received = line_.next(end)) receive(*received);
     time_ = end;
+    hand_over();
     if (end < next_step_) continue;
     step();
     next_step_ += step_length_;

@@ -53,6 +53,13 @@ class VirtualBus {
   // sending at time(), this end is not later than time().
   Time host_sends_until() const { return host_sends_until_; }
 
+  // Sets a fault of the host's USB adapter: the adapter holds received bytes until its timer ends, or until
+  // it holds kAdapterPacket bytes. The timer of FTDI's adapters has 16 ms; 0: no fault.
+  void set_adapter_latency(Time latency);
+  static constexpr std::size_t kAdapterPacket = 62;
+  // Sets a fault of the host's adapter: the host receives the bytes that it sends.
+  void set_adapter_echo(bool on) { line_.set_echo(0, on); }
+
   HalfDuplexLine& line() { return line_; }
   World& world() { return *world_; }
   std::size_t servos() const { return servos_.size(); }
@@ -60,13 +67,14 @@ class VirtualBus {
   const VirtualServo& servo(std::size_t i) const { return *servos_[i].servo; }
   const servo_bus::BusServo& mount(std::size_t i) const { return servos_[i].mount; }
 
-  // Sets the open-circuit voltage of the supply.
-  void set_supply_volts(double volts) { supply_volts_ = volts; }
+  // Sets the open-circuit voltage of the bus's supply.
+  void set_supply_volts(double volts) { supplies_[0].volts = volts; }
   // Switches the supply of all servos on or off. Switching the supply off clears the RAM of the servos.
   void set_power(bool on);
-  // Returns the supply voltage at the servos, or 0 if the supply is off. The voltage drop is computed from
-  // the current in the preceding step of the world.
-  double volts() const;
+  // Return the voltage at the servos of the bus's supply, or at servo i. The result is 0 if the supply is
+  // off. The voltage drop is computed from the current in the preceding step of the world.
+  double volts() const { return volts_of(supplies_[0]); }
+  double volts(std::size_t i) const { return volts_of(supplies_[servos_[i].supply]); }
 
   // While the servo of joint i has no torque, a hand turns the joint to an angle (rad) and holds the joint
   // there. If the angle is beyond a stop, the hand presses against the stop.
@@ -79,25 +87,35 @@ class VirtualBus {
   struct Mounted {
     servo_bus::BusServo mount;
     std::unique_ptr<VirtualServo> servo;
-    std::size_t joint;  // index in the world's joint order
+    std::size_t joint;       // index in the world's joint order
+    std::size_t supply = 0;  // index in supplies_
     // Goal and present position of the hand that turns the joint, rad.
     std::optional<double> hand_goal = std::nullopt;
     double hand = 0;
+  };
+  struct Supply {
+    double volts = 0;      // open-circuit voltage
+    double current_a = 0;  // in the preceding step of the world
   };
   VirtualBus(std::unique_ptr<World> world, const servo_bus::BusFile& file,
              std::vector<Mounted> servos);
   ServoReading reading_of(const Mounted& one) const;
   void receive(const HalfDuplexLine::Received& received);
+  double volts_of(const Supply& supply) const;
+  void measure_supplies(const std::vector<MotorDrive>& drives);
+  void hand_over();
   void step();
   MotorDrive hand_on(Mounted& one) const;
 
   std::unique_ptr<World> world_;
   std::vector<Mounted> servos_;
-  HalfDuplexLine line_;  // node 0 is the host, node i + 1 is servo i
-  double supply_volts_, supply_ohm_;
+  HalfDuplexLine line_;           // node 0 is the host, node i + 1 is servo i
+  std::vector<Supply> supplies_;  // the bus's first
+  double supply_ohm_;
   bool power_ = true;
   Time time_{}, next_step_, step_length_, host_sends_until_{};
-  std::deque<HostByte> received_;
+  Time adapter_latency_{};
+  std::deque<HostByte> received_, held_;  // held_: not yet passed on by the adapter
 };
 
 }  // namespace kaz::sim

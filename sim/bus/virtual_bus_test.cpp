@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numeric>
 
 #include "shared/base/random.hpp"
@@ -137,6 +138,79 @@ TEST(BroadcastPing, OfSeveralServosCollides) {
   BusHost host(*one), other(*several);
   EXPECT_EQ(host.send(request(feetech::kBroadcast, Instruction::ping)).size(), 1u);
   EXPECT_TRUE(other.send(request(feetech::kBroadcast, Instruction::ping)).empty());
+}
+
+// Also at the lowest rate, and in the time that Feetech's SDK waits for it.
+TEST(BroadcastPing, IsAnsweredInTheOrderOfTheIdsIfTheFileSaysSo) {
+  for (const long baud : {1000000L, 38400L}) {
+    const auto bus = bus_of({9, 5, 6, 253}, "sts3215", [&](servo_bus::BusFile& file) {
+      file.baud = baud;
+      file.broadcast_ping_in_turn = true;
+    });
+    bus->set_host_baud(baud);
+    BusHost host(*bus);
+    const auto answers =
+        host.send(request(feetech::kBroadcast, Instruction::ping), milliseconds(760));
+    ASSERT_EQ(answers.size(), 4u) << baud;
+    for (const std::size_t i : {0u, 1u, 2u, 3u})
+      EXPECT_EQ(answers[i].id, (std::array{5, 6, 9, 253}[i]));
+    // A ping of one servo is answered at once.
+    EXPECT_EQ(host.send(request(253, Instruction::ping), milliseconds(5)).size(), 1u);
+  }
+}
+
+// A Koch arm: XL430 at 12 V and XL330 at 5 V on one bus.
+TEST(Supply, OfAServoIsItsOwn) {
+  const auto bus = bus_of({1, 2, 3}, "xl430-w250", [](servo_bus::BusFile& file) {
+    file.supply_volts = 12;
+    file.supply_ohm = 0.5;
+    for (const std::size_t i : {1u, 2u}) {
+      file.servos[i].model = servo_bus::find_model("xl330-m288");
+      file.servos[i].supply_volts = 5;
+    }
+  });
+  auto& world = static_cast<ShaftWorld&>(bus->world());
+  DynamixelHost host(*bus);
+  bus->advance(milliseconds(500));
+  for (const auto& [id, volts] : {std::pair{1, 120}, {2, 50}, {3, 50}}) {
+    EXPECT_EQ(host.get(id, "present_input_voltage"), volts) << id;
+    EXPECT_EQ(host.get(id, "hardware_error_status"), 0) << id;
+  }
+  EXPECT_FALSE(world.drives_[0].supply_volts);
+  EXPECT_EQ(world.drives_[1].supply_volts, 5.0);
+  // The current of servo 2 pulls down what servo 3 shares with it, and no other supply.
+  ASSERT_TRUE(host.set(2, "operating_mode", 16));
+  ASSERT_TRUE(host.set(2, "torque_enable", 1));
+  ASSERT_TRUE(host.set(2, "goal_pwm", 885));
+  world.joints_[1].current = 2;
+  bus->advance(bus->time() + milliseconds(100));
+  EXPECT_EQ(host.get(1, "present_input_voltage"), 120);
+  EXPECT_EQ(host.get(3, "present_input_voltage"), 40);
+  EXPECT_NEAR(bus->volts(), 12, 1e-9);
+  EXPECT_NEAR(bus->volts(2), 4, 1e-9);
+  bus->set_supply_volts(11);
+  bus->advance(bus->time() + milliseconds(10));
+  EXPECT_EQ(host.get(1, "present_input_voltage"), 110);
+  EXPECT_EQ(host.get(3, "present_input_voltage"), 40);
+}
+
+TEST(Adapter, HoldsBytesUntilItsTimerEnds) {
+  const auto bus = bus_of({1});
+  bus->set_adapter_latency(milliseconds(16));
+  bus->advance(milliseconds(3));
+  bus->write(feetech::wire_of(request(1, Instruction::ping)));
+  bus->advance(Time(15'900'000));
+  EXPECT_TRUE(bus->received().empty());
+  bus->advance(milliseconds(17));
+  ASSERT_EQ(bus->received().size(), 6u);
+  EXPECT_EQ(bus->received().back().at, milliseconds(16));
+  bus->received().clear();
+  // A full packet does not wait: 62 of 84 bytes.
+  bus->write(feetech::wire_of(request(1, Instruction::read, {0, 78})));
+  bus->advance(bus->time() + milliseconds(3));
+  EXPECT_EQ(bus->received().size(), VirtualBus::kAdapterPacket);
+  bus->advance(milliseconds(33));
+  EXPECT_EQ(bus->received().size(), 84u);
 }
 
 // One byte in 1,000 damaged, both ways. Whatever a servo did not execute left a trace: in the counts of the

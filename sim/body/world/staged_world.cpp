@@ -115,8 +115,8 @@ Result<void> StagedWorld::accelerate(const std::string& model, const Eigen::Vect
 void StagedWorld::prepare_motors(std::span<const MotorDrive> drives, double supply_volts) {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
     const MotorDrive drive = i < drives.size() ? drives[i] : MotorDrive{};
-    rows_[i] =
-        motors_[i].prepare(drive, supply_volts, joint_states_[i].angle, joint_states_[i].velocity);
+    rows_[i] = motors_[i].prepare(drive, drive.supply_volts.value_or(supply_volts),
+                                  joint_states_[i].angle, joint_states_[i].velocity);
   }
 }
 

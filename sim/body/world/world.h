@@ -95,8 +95,8 @@ class World {
   virtual double step_s() const = 0;
   virtual double time_s() const = 0;
   // Advances the world by step_s(). `drives` has one entry per joint, in joint order. If a joint has no
-  // entry, the H-bridge of the joint's motor is open. The function does nothing once diagnostics().failure is
-  // set.
+  // entry, the H-bridge of the joint's motor is open. `supply_volts` is the voltage of all motors whose drive
+  // has no own supply. The function does nothing once diagnostics().failure is set.
   virtual void step(std::span<const MotorDrive> drives, double supply_volts) = 0;
   // The joints with a motor. Joints that follow another joint are not listed.
   virtual std::span<const JointState> joints() const = 0;

@@ -39,6 +39,10 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
               {"supply VOLTS", "set the supply voltage, 0 to 30 V"},
               {"damage SHARE",
                "set the share of damaged bytes (0 to 1); a damaged byte has one wrong bit"},
+              {"latency SECONDS",
+               "set the time for which the USB adapter holds received bytes, 0 to 1 s; 0.016 is "
+               "the default of FTDI's adapters"},
+              {"echo on|off", "let the adapter return the host's own bytes to the host"},
               {"turn JOINT DEGREES",
                "while the joint's torque is off, turn it by hand to this angle and hold it there; "
                "\"turn off\" releases all joints"},
@@ -59,6 +63,18 @@ Json BusCommands::run(const std::string& command, const std::string& argument) c
     const auto share = number(1);
     if (!share) return refusal("\"damage\" takes a share, 0 to 1, got \"" + argument + "\"");
     bus_->line().set_damage(*share, 1);
+    return {{"ok", true}};
+  }
+  if (command == "latency") {
+    const auto latency_s = number(1);
+    if (!latency_s) return refusal("\"latency\" takes seconds, 0 to 1, got \"" + argument + "\"");
+    bus_->set_adapter_latency(from_seconds(*latency_s));
+    return {{"ok", true}};
+  }
+  if (command == "echo") {
+    if (argument != "on" && argument != "off")
+      return refusal("\"echo\" takes \"on\" or \"off\", got \"" + argument + "\"");
+    bus_->set_adapter_echo(argument == "on");
     return {{"ok", true}};
   }
   if (command == "turn") return turn(argument);
@@ -108,6 +124,7 @@ Json BusCommands::status() const {
                       {"max_angle", get("max_angle", "max_position_limit")},
                       {"status", get("status", "hardware_error_status")},
                       {"celsius", get("present_temperature")},
+                      {"volts", bus_->volts(i)},
                       {"executed", servo.executed()},
                       {"bad_checksums", counts.bad_checksums},
                       {"bad_lengths", counts.bad_lengths},
