@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The template parameter Wire defines the packets. Its members are the types Packet and Reader, and the
-// functions wire_of(packet) and answers(packet, parameters). A Packet has the members `id` and `parameters`
-// and can be compared. The function answers() returns whether a packet is a valid answer. `parameters` is
-// the number of parameters in an answer without an error.
+// functions wire_of(packet), answers(packet, parameters) and is_to_all(packet). A Packet has the members `id`
+// and `parameters` and can be compared. The function answers() returns whether a packet is a valid answer.
+// `parameters` is the number of parameters in an answer without an error. The function is_to_all() returns
+// whether a packet is a request to all servos.
 #pragma once
 
 #include <array>
@@ -41,8 +42,8 @@ class BusExchange {
     return drained;
   }
 
-  // Returns nullopt if the answer is late, damaged, or from another servo. Skips the request itself, which
-  // some adapters echo.
+  // Returns nullopt if the answer is late, damaged, or from another servo. Some adapters echo requests: skips
+  // the request itself, and earlier requests to all servos.
   Result<Answer> receive(std::uint8_t id, std::size_t parameters, const Packet& request) {
     const Time deadline = clock_.now() + kAnswerWithin;
     std::array<std::uint8_t, 256> bytes{};
@@ -56,7 +57,7 @@ class BusExchange {
           return Answer();
         }
         const Packet packet = reader_.packet();
-        if (packet == request) continue;
+        if (packet == request || Wire::is_to_all(packet)) continue;
         come_.erase(come_.begin(), come_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
         if (packet.id == id && Wire::answers(packet, parameters)) return Answer(packet);
         ++counts_.damaged;

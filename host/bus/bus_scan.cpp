@@ -76,6 +76,7 @@ class Scan {
   Result<std::vector<ScannedServo>> run() {
     std::vector<ScannedServo> found;
     std::vector<int> undecided;
+    bool restarted = false;
     // Once fast; where somebody is, those that were silent again: an answer may have been late. On a machine
     // that was late, some times more.
     for (int pass = 0; pass < 2 || (!undecided.empty() && pass <= kMoreOften); ++pass) {
@@ -86,9 +87,17 @@ class Scan {
         ScannedServo servo;
         servo.id = id;
         const auto answer = KAZ_TRY(request(servo, Wire::ping(static_cast<std::uint8_t>(id))));
+        if (slow_adapter_ && !restarted) break;
         if (!answer && servo.late > 0) undecided.push_back(id);
         if (!answer && servo.damaged == 0) continue;
         found.push_back(servo);
+      }
+      if (found.empty() && !slow_adapter_) KAZ_TRY(await_late_answer());
+      if (slow_adapter_ && !restarted) {
+        restarted = true;
+        found.clear();
+        pass = -1;
+        continue;
       }
       if (found.empty()) break;
     }
@@ -121,6 +130,18 @@ class Scan {
     servo.late += servo.lost;
     servo.requests -= servo.lost;
     servo.lost = 0;
+  }
+
+  void wait_longer() {
+    slow_adapter_ = true;
+    within_ += kSlowWithin;
+  }
+
+  Result<void> await_late_answer() {
+    if (within_ >= kSlowWithin) return {};
+    std::array<std::uint8_t, 64> bytes{};
+    if (KAZ_TRY(link_.read(bytes, clock_.now() + kSlowWithin)) > 0) wait_longer();
+    return {};
   }
 
   // A request that failed while this machine was late proves nothing: it is repeated, and not counted.
@@ -167,8 +188,14 @@ class Scan {
           came = false;
           continue;
         }
-        if (event != Wire::Reader::Event::packet || reader.packet().id != servo.id ||
-            !Wire::is_answer(reader.packet())) {
+        const bool whole = event == Wire::Reader::Event::packet;
+        const bool foreign = whole && reader.packet().id != servo.id;
+        // The answer to an earlier request, or its echo.
+        if (foreign && within_ < kSlowWithin) {
+          wait_longer();
+          return Answer();
+        }
+        if (!whole || foreign || !Wire::is_answer(reader.packet())) {
           ++servo.damaged;
           return Answer();
         }
@@ -183,8 +210,16 @@ class Scan {
   Result<std::optional<std::vector<std::uint8_t>>> block(ScannedServo& servo, std::size_t address,
                                                          std::size_t count) {
     using Block = std::optional<std::vector<std::uint8_t>>;
+    const int lost = servo.lost;
+    const bool fast = !slow_adapter_;
     const auto answer =
         KAZ_TRY(request(servo, Wire::read(static_cast<std::uint8_t>(servo.id), address, count)));
+    if (!answer && servo.lost > lost) KAZ_TRY(await_late_answer());
+    if (fast && slow_adapter_) {
+      --servo.requests;
+      servo.lost = lost;
+      return block(servo, address, count);
+    }
     if (!answer) return Block();
     servo.errors = static_cast<std::uint8_t>(servo.errors | Wire::errors(*answer));
     if (answer->parameters.size() != count) return Block();
@@ -249,6 +284,9 @@ class Scan {
   Clock& clock_;
   const ScanOptions& options_;
   Time within_{};
+  // The adapter holds answers for longer than within_ was. FTDI's adapters hold them for 16 ms.
+  bool slow_adapter_ = false;
+  static constexpr Time kSlowWithin = std::chrono::milliseconds(25);
   std::string excuse_;  // the last one; empty: this machine was never late
 };
 

@@ -37,6 +37,9 @@ class DynamixelDriver final : public BusDriver {
       const bool failed = (packet.error & ~dynamixel::kAlert) != 0;
       return packet.is_status() && packet.parameters.size() == (failed ? 0 : parameters);
     }
+    static bool is_to_all(const Packet& packet) {
+      return packet.id == dynamixel::kBroadcast && !packet.is_status();
+    }
   };
   using Exchange = BusExchange<Wire>;
   Result<Exchange::Answer> ping(const Servo& servo);

@@ -36,6 +36,7 @@ class FeetechDriver final : public BusDriver {
     static bool answers(const Packet& packet, std::size_t parameters) {
       return packet.parameters.size() == parameters;
     }
+    static bool is_to_all(const Packet& packet) { return packet.id == feetech::kBroadcast; }
   };
   BusExchange<Wire> exchange_;
 };
