@@ -211,11 +211,13 @@ Result<BusOfFile> load_bus(const std::string& robot_file, servo_bus::Protocol pr
     if (servo == file.servos.end())
       return fail(Fault::usage, "bus.json in the folder of " + robot_file +
                                     " has no servo for the joint " + joint.name);
-    // A servo turns by one turn at most.
+    // A servo turns by one turn at most; a joint without limits gets the turn that the servo measures.
     host::BusJoint& added = bus.joints.emplace_back();
     added.servo = *servo;
-    added.lower_rad = std::max(joint.lower, -std::numbers::pi);
-    added.upper_rad = std::min(joint.upper, std::numbers::pi);
+    const auto [first, last] =
+        std::minmax({servo->angle_at(0), servo->angle_at(servo->model->steps - 1)});
+    added.lower_rad = std::isinf(joint.lower) ? first : std::max(joint.lower, -std::numbers::pi);
+    added.upper_rad = std::isinf(joint.upper) ? last : std::min(joint.upper, std::numbers::pi);
     added.max_rad_per_s = std::min(added.max_rad_per_s, joint.velocity);
   }
   return bus;

@@ -64,6 +64,53 @@ TEST(ServoRobot, TheArmPlaysPosesOverItsBus) {
   EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
 }
 
+TEST(ServoRobot, AJointWithoutStopsIsPlayed) {
+  const TemporaryFolder folder;
+  write_file(folder / "wave.json", kWave);
+  const auto arm = std::filesystem::path(kArm).parent_path();
+  for (const char* file : {"motor.xml", "bus.json"})
+    std::filesystem::copy(arm / file, folder / file);
+  std::string urdf = read_file(kArm);
+  const std::string limited = "name=\"shoulder_pan\" type=\"revolute\"";
+  const auto at = urdf.find(limited);
+  ASSERT_NE(at, std::string::npos);
+  urdf.replace(at, limited.size(), "name=\"shoulder_pan\" type=\"continuous\"");
+  write_file(folder / "free.urdf", urdf);
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", folder / "free.urdf", "--serial",
+                   folder / "arm", "--motor", "sts3215-6v"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  const Finished played =
+      run(kaz({"run", "play", "--poses", folder / "wave.json", "--robot",
+               "feetech:" + (folder / "arm"), "--robot-file", folder / "free.urdf"}),
+          std::chrono::seconds(60));
+  EXPECT_EQ(played.exit_code, 0) << played.out << played.err;
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+}
+
+// An adapter that holds bytes for 16 ms and returns what the host sends.
+TEST(ServoRobot, AdaptersWithFaultsAreScannedAndPlayed) {
+  const TemporaryFolder folder;
+  Process sim(kaz({"sim", "--bus", "feetech", "--robot-file", kArm, "--serial", folder / "arm"}));
+  ASSERT_TRUE(sim.wait_for_output("ready", std::chrono::seconds(30)));
+  const std::string port = "feetech:" + (folder / "arm") + "@1000000";
+  for (const char* fault : {"latency 0.016", "echo on"}) {
+    const auto reply = parse_json(query_control(folder / "arm.ctl", fault));
+    EXPECT_TRUE(reply["ok"].get<bool>());
+    const Finished scanned =
+        run(kaz({"bus", "scan", "--robot", port, "--json"}), std::chrono::seconds(100));
+    EXPECT_EQ(scanned.exit_code, 0) << scanned.out << scanned.err;
+    EXPECT_EQ(parse_json(scanned.out)["servos"].size(), 6u) << scanned.out;
+    const Finished stood =
+        run(kaz({"run", "stand", "--robot", port, "--robot-file", kArm}), std::chrono::seconds(60));
+    EXPECT_EQ(stood.exit_code, 0) << stood.out << stood.err;
+  }
+  for (const char* wrong : {"latency 2", "latency", "echo 1"})
+    EXPECT_FALSE(parse_json(query_control(folder / "arm.ctl", wrong))["ok"].get<bool>());
+  sim.signal(SIGINT);
+  EXPECT_EQ(sim.wait(std::chrono::seconds(10)).exit_code, 0);
+}
+
 // On a wire that damages bytes nothing is called off that is not: what the end says agrees with the servos.
 TEST(ServoRobot, TheEndOfARunNamesServosThatDoNotConfirm) {
   const TemporaryFolder folder;
