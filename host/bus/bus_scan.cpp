@@ -95,6 +95,7 @@ class Scan {
       if (found.empty() && !slow_adapter_) KAZ_TRY(await_late_answer());
       if (slow_adapter_ && !restarted) {
         restarted = true;
+        KAZ_TRY(discard());
         found.clear();
         pass = -1;
         continue;
@@ -137,10 +138,22 @@ class Scan {
     within_ += kSlowWithin;
   }
 
+  // Returns the number of bytes that arrive within kSlowWithin.
+  Result<std::size_t> discard() {
+    const Time end = clock_.now() + kSlowWithin;
+    std::array<std::uint8_t, 64> bytes{};
+    std::size_t count = 0;
+    while (clock_.now() < end) {
+      const std::size_t come = KAZ_TRY(link_.read(bytes, end));
+      count += come;
+    }
+    return count;
+  }
+
   Result<void> await_late_answer() {
     if (within_ >= kSlowWithin) return {};
-    std::array<std::uint8_t, 64> bytes{};
-    if (KAZ_TRY(link_.read(bytes, clock_.now() + kSlowWithin)) > 0) wait_longer();
+    const std::size_t late = KAZ_TRY(discard());
+    if (late > 0) wait_longer();
     return {};
   }
 
