@@ -97,8 +97,8 @@ TEST(ServoRobot, AdaptersWithFaultsAreScannedAndPlayed) {
   for (const char* fault : {"latency 0.016", "echo on"}) {
     const auto reply = parse_json(query_control(folder / "arm.ctl", fault));
     EXPECT_TRUE(reply["ok"].get<bool>());
-    const Finished scanned =
-        run(kaz({"bus", "scan", "--robot", port, "--json"}), std::chrono::seconds(100));
+    const Finished scanned = run(kaz({"bus", "scan", "--robot", port, "--ids", "0-9", "--json"}),
+                                 std::chrono::seconds(100));
     EXPECT_EQ(scanned.exit_code, 0) << scanned.out << scanned.err;
     EXPECT_EQ(parse_json(scanned.out)["servos"].size(), 6u) << scanned.out;
     const Finished stood =
