@@ -1,8 +1,6 @@
 // Every limit of the table can fail, and files with other limits.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -71,19 +69,6 @@ TEST(MeasurementTable, NothingMeasuredFailsEverywhere) {
     const Measurement none = judged(info.name, std::nan(""));
     EXPECT_EQ(none.verdict, Verdict::failed) << info.name;
     EXPECT_EQ(none.message, "the measurement gave no value");
-  }
-}
-
-// docs/howto/bench.md has a row for each, with its unit and its limits.
-TEST(MeasurementTable, AgreesWithThePage) {
-  std::ifstream file("docs/howto/bench.md");
-  ASSERT_TRUE(file) << "to be run in the root of the tree";
-  const std::string page{std::istreambuf_iterator<char>(file), {}};
-  for (const MeasurementInfo& info : measurement_infos()) {
-    const std::string row = "| `" + info.name + "` | " + (info.unit.empty() ? "–" : info.unit) +
-                            " | " + limits_text(info.low, info.high) + " | " +
-                            info.text.substr(0, 20);
-    EXPECT_NE(page.find(row), std::string::npos) << row;
   }
 }
 

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A program linked with OMPL needs 10 ms at each start to load OMPL's libraries (docs/decisions.md, 100). So
-// the planner is in a separate module, the file lib/kaz/ompl_planner.so. The folder lib/ is beside the
-// program's folder bin/. The module contains a copy of all Kaz code that it needs, and exports one symbol, an
-// OmplModule.
+// the planner is in a module (shared/base/module.hpp), lib/kaz/ompl_planner.so, which exports an OmplModule.
 #pragma once
 
 #include <memory>

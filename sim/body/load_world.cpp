@@ -197,6 +197,19 @@ Result<bool> states_start(const std::string& world_path) {
   return world != nullptr && world->FirstChildElement("kaz:robot") != nullptr;
 }
 
+Result<WorldFiles> read_around(const std::string& world_path, const std::string& robot_path,
+                               RobotModel robot, const WorldOptions& options) {
+  WorldFiles files;
+  files.robot = std::move(robot);
+  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
+  files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
+  if (options.ideal_motors) files.motor = files.motor.ideal();
+  files.world = KAZ_TRY(load_world(world_path, options.reading));
+  const bool blocked = !options.hung && !check_start(world_path, files.world, files.robot);
+  if (blocked && !KAZ_TRY(states_start(world_path))) move_to_free_place(files.world, files.robot);
+  return files;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const RobotModel& robot,
@@ -217,22 +230,24 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
 
 Result<WorldFiles> read_world_files(const std::string& world_path, const std::string& robot_path,
                                     const WorldOptions& options) {
-  WorldFiles files;
-  files.robot = KAZ_TRY(load_robot(robot_path, options.reading));
-  const std::string motor_path = std::filesystem::path(robot_path).replace_filename("motor.xml");
-  files.motor = KAZ_TRY(load_motor_file(motor_path, options.motor));
-  if (options.ideal_motors) files.motor = files.motor.ideal();
-  files.world = KAZ_TRY(load_world(world_path, options.reading));
-  const bool blocked = !options.hung && !check_start(world_path, files.world, files.robot);
-  if (blocked && !KAZ_TRY(states_start(world_path))) move_to_free_place(files.world, files.robot);
-  return files;
+  auto robot = KAZ_TRY(load_robot(robot_path, options.reading));
+  return read_around(world_path, robot_path, std::move(robot), options);
 }
 
 Result<std::unique_ptr<World>> World::load(const std::string& world_path,
                                            const std::string& robot_path,
                                            const WorldOptions& options) {
+  KAZ_TRY(iterations_of(options.dynamics));
+  const auto robot = KAZ_TRY(load_robot(robot_path, options.reading));
+  return load_with(robot, world_path, robot_path, options);
+}
+
+Result<std::unique_ptr<World>> World::load_with(const RobotModel& robot,
+                                                const std::string& world_path,
+                                                const std::string& robot_path,
+                                                const WorldOptions& options) {
   const int iterations = KAZ_TRY(iterations_of(options.dynamics));
-  const auto files = KAZ_TRY(read_world_files(world_path, robot_path, options));
+  const auto files = KAZ_TRY(read_around(world_path, robot_path, robot, options));
   if (iterations != kReduced) KAZ_TRY(check_hinges(files.robot));
   if (!options.hung) KAZ_TRY(check_start(world_path, files.world, files.robot));
   return make_world(files.world, files.robot, files.motor, options);

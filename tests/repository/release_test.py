@@ -20,6 +20,7 @@ CMAKE = """cmake_minimum_required(VERSION 3.25)
 project(kaz VERSION 7.8.9 LANGUAGES NONE)
 install(PROGRAMS /bin/true DESTINATION bin RENAME kaz)
 install(PROGRAMS /bin/true DESTINATION lib/kaz RENAME ompl_planner.so)
+install(PROGRAMS /bin/true DESTINATION lib/kaz RENAME world_reader.so)
 install(DIRECTORY data/ DESTINATION share/kaz USE_SOURCE_PERMISSIONS)
 """
 FILES = {

@@ -108,8 +108,6 @@ std::vector<Name> all_names() {
       {"vision.moving_ms.640", "ms", 0, 0, false, 3},
       {"peer.opencv_dis_ms.320", "ms", 0, 0, false, 3},
       {"peer.opencv_dis_ms.640", "ms", 0, 0, false, 3},
-      {"vision.sparse_flow_ms.320", "ms", 0, 0, false, 3},
-      {"vision.sparse_flow_ms.640", "ms", 0, 0, false, 3},
   };
   const auto view = std::find_if(all.begin(), all.end(),
                                  [](const Name& name) { return name.name == "view.pair_ms.320"; });

@@ -85,8 +85,7 @@ const std::vector<Program>& programs() {
       {"flow_benchmark",
        "cpu_time",
        {"vision.flow_ms.320", "vision.flow_ms.640", "peer.opencv_dis_ms.320",
-        "peer.opencv_dis_ms.640", "vision.sparse_flow_ms.320", "vision.sparse_flow_ms.640",
-        "vision.moving_ms.320", "vision.moving_ms.640"}},
+        "peer.opencv_dis_ms.640", "vision.moving_ms.320", "vision.moving_ms.640"}},
   };
   return all;
 }

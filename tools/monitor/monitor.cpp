@@ -377,7 +377,7 @@ Result<Monitored> find_monitored(const MonitorOptions& options) {
   found.port = KAZ_TRY(parse_port(options.port));
   if (!options.robot_file.empty()) {
     const auto robot = KAZ_TRY(sim::load_robot(options.robot_file, {.body = false}));
-    KAZ_TRY(other_joints(options.robot_file));  // no more than a board has
+    KAZ_TRY(other_joints(robot, options.robot_file));  // no more than a board has
     found.names.clear();
     for (const sim::RobotJoint& joint : robot.joints) {
       if (joint.follows) continue;

@@ -47,7 +47,8 @@ git=(git -C "$root" -c tar.umask=0022 -c core.autocrlf=false -c core.eol=lf)
 
 cmake --install "$build" --prefix "$new/kaz-$name" >/dev/null || die "cmake --install $build failed (above)"
 # An installation silently lacks these if a package was missing when it was built.
-for part in bin/kaz share/kaz/firmware/{kaz.mot,kaz.coff,writer.bin} share/kaz/view/index.html lib/kaz/ompl_planner.so; do
+for part in bin/kaz share/kaz/firmware/{kaz.mot,kaz.coff,writer.bin} share/kaz/view/index.html \
+  lib/kaz/{ompl_planner,world_reader}.so; do
   [ -f "kaz-$name/$part" ] || die "$build was built without $part; run ./tools/dev setup, then build again"
 done
 for image in kaz.mot kaz.coff writer.bin; do

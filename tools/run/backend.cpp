@@ -401,6 +401,7 @@ Result<std::unique_ptr<sim::Simulation>> make_simulation(const BackendOptions& o
       if (found) found = find(data_file("robot/kaz/camera.json"), sim.camera_path);
     } else {
       sim.robot_path = options.robot_file;
+      sim.robot_model = options.robot_model;
       sim.camera_path =
           std::filesystem::path(options.robot_file).replace_filename("camera.json").string();
     }

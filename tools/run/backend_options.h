@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 namespace kaz::sim {
 class HandSource;
 class RecordingTap;
+struct RobotModel;
 }  // namespace kaz::sim
 
 namespace kaz::tools {
@@ -28,6 +30,9 @@ struct BackendOptions : sim::RobotOptions {
   bool needs_camera = true;                        // false: a robot at a port may have no camera
   std::string world = "ball";                      // for "sim" only, like all members below
   std::string robot_file;  // URDF file; empty: Kaz; also describes a robot at a port
+  // Robot of robot_file, if the file has been read with `reading`; otherwise null. For a robot at a port, its
+  // links have no bodies.
+  std::shared_ptr<const sim::RobotModel> robot_model;
   // Joints of robot_file (other_joints()), for replays without this file.
   std::vector<std::string> joints;
   // Speed limits of the joints (joint_speeds()); empty on a servo bus, which has limits of its own.

@@ -29,9 +29,8 @@ void print_notes(const std::string& label, const std::string& file,
 
 }  // namespace
 
-Result<std::vector<std::string>> other_joints(const std::string& robot_file) {
-  if (robot_file.empty()) return std::vector<std::string>();
-  const auto robot = KAZ_TRY(sim::load_robot(robot_file, {.body = false}));
+Result<std::vector<std::string>> other_joints(const sim::RobotModel& robot,
+                                              const std::string& robot_file) {
   std::vector<std::string> joints = robot.joint_order();
   if (joints.size() > KZ_JOINTS)
     return fail(Fault::usage, robot_file + ": the robot has " + std::to_string(joints.size()) +
@@ -41,10 +40,8 @@ Result<std::vector<std::string>> other_joints(const std::string& robot_file) {
   return joints;
 }
 
-Result<std::vector<std::string>> joint_speeds(const std::string& robot_file) {
+std::vector<std::string> joint_speeds(const sim::RobotModel& robot) {
   std::vector<std::string> speeds;
-  if (robot_file.empty()) return speeds;
-  const auto robot = KAZ_TRY(sim::load_robot(robot_file, {.body = false}));
   bool limited = false;
   for (const sim::RobotJoint& joint : robot.joints) {
     if (joint.follows) continue;
@@ -70,14 +67,16 @@ Result<std::vector<double>> parse_speeds(const std::vector<std::string>& texts) 
 
 ReadFiles files_of(const BackendOptions& options) {
   return {options.robot_file, options.at_port() ? "" : options.world, options.reading,
-          options.verbose};
+          options.verbose, options.robot_model.get()};
 }
 
 void print_unused(const std::string& label, const ReadFiles& files) {
   if (files.reading.strict) return;
   sim::ReadOptions reading = files.reading;
   reading.body = files.verbose;
-  if (!files.robot_file.empty()) {
+  if (files.robot != nullptr) {
+    print_notes(label, files.robot_file, files.robot->notes, files.verbose);
+  } else if (!files.robot_file.empty()) {
     if (const auto robot = sim::load_robot(files.robot_file, reading))
       print_notes(label, files.robot_file, robot->notes, files.verbose);
   }

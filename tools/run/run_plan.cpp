@@ -8,6 +8,7 @@
 
 #include "host/behavior/plugin.h"
 #include "host/behavior/pose_request.h"
+#include "sim/body/description/robot_model.h"
 #include "tools/run/option_json.h"
 #include "tools/run/robot_joints.h"
 #include "tools/run/run_report.h"
@@ -50,6 +51,20 @@ Result<void> add_needed_modules(const behavior::Behavior& behavior, std::string&
   return {};
 }
 
+// Reads the robot's file, sets the joints, and returns their speed limits. The simulation uses the same
+// robot. For a robot at a port, only joints and names are read, and --verbose reads the links later.
+Result<std::vector<std::string>> read_robot_file(BackendOptions& backend) {
+  if (backend.robot_file.empty()) return std::vector<std::string>();
+  sim::ReadOptions reading = backend.reading;
+  if (backend.at_port()) reading = {.body = false};
+  auto robot = KAZ_TRY(sim::load_robot(backend.robot_file, reading));
+  backend.joints = KAZ_TRY(other_joints(robot, backend.robot_file));
+  auto speeds = joint_speeds(robot);
+  if (!backend.at_port() || !backend.verbose)
+    backend.robot_model = std::make_shared<const sim::RobotModel>(std::move(robot));
+  return speeds;
+}
+
 }  // namespace
 
 Result<RunPlan> RunPlan::make(RunOptions options) {
@@ -61,15 +76,15 @@ Result<RunPlan> RunPlan::make(RunOptions options) {
   if (plan.behavior_.takes_requests && !options.requests)
     return fail(Fault::usage, behavior::kNoRequests);
   BackendOptions& backend = options.backend;
+  std::vector<std::string> speeds;
   if (!options.open_backend) {
-    backend.joints = KAZ_TRY(other_joints(backend.robot_file));
+    speeds = KAZ_TRY(read_robot_file(backend));
     if (!options.quiet) print_unused(options.label, files_of(backend));
   }
   backend.needs_camera = plan.behavior_.needs_camera;
   KAZ_TRY(check(backend));
   plan.target_ = KAZ_TRY(target_of(backend));
-  if (!options.open_backend && !plan.on_servo_bus())
-    backend.joint_speeds = KAZ_TRY(joint_speeds(backend.robot_file));
+  if (!options.open_backend && !plan.on_servo_bus()) backend.joint_speeds = speeds;
   backend.facts = facts_of(options);
   plan.records_in_folder_ =
       !options.out.empty() && backend.recording.empty() && !options.open_backend;

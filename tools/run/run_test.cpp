@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "shared/base/files.hpp"
+#include "sim/body/description/robot_model.h"
 
 namespace kaz::tools {
 namespace {
@@ -47,6 +48,21 @@ TEST(Run, WritesResultsOfARunThatIsWorthKeeping) {
     EXPECT_FALSE(fs::exists(folder + "/out/recording.mcap.part"));
     fs::remove_all(folder);
   }
+}
+
+// The simulation takes this robot instead of reading the file again.
+TEST(RunPlan, ContainsTheRobotOfTheFile) {
+  RunOptions options;
+  options.behavior = "stand";
+  options.quiet = true;
+  EXPECT_EQ(RunPlan::make(options)->backend().robot_model, nullptr);
+  options.backend.robot_file = "sim/robots/arm/arm.urdf";
+  const auto plan = RunPlan::make(options);
+  ASSERT_TRUE(plan) << plan.error().message;
+  const auto robot = plan->backend().robot_model;
+  ASSERT_NE(robot, nullptr);
+  EXPECT_EQ(robot->joint_order(), plan->backend().joints);
+  EXPECT_GT(robot->mass(), 0);
 }
 
 TEST(RunPlan, WritesTheOptionsOfTheRobotInAFixedOrder) {

@@ -8,7 +8,6 @@
 #include "vision/depth/stereo_testing.h"
 #include "vision/flow/flow.h"
 #include "vision/flow/independent_motion.h"
-#include "vision/flow/sparse_flow.h"
 
 namespace kaz::vision {
 namespace {
@@ -66,17 +65,6 @@ void moving(benchmark::State& state, int width) {
   state.counters["regions"] = static_cast<double>(found.regions.size());
 }
 
-void sparse(benchmark::State& state, int width) {
-  const Pair pair(width);
-  SparseFlow finder;
-  FlowPoints points;
-  for (auto _ : state) {
-    if (!finder.find(pair.picture(0), pair.info[0], pair.picture(1), pair.info[1], points))
-      state.SkipWithError("no flow");
-  }
-  state.counters["points"] = static_cast<double>(points.points.size());
-}
-
 void peer(benchmark::State& state, int width) {
   const Pair pair(width);
   cv::Mat grey[2], found;
@@ -97,7 +85,6 @@ void peer(benchmark::State& state, int width) {
 KAZ_SIZES(flow, "vision.flow_ms");
 KAZ_SIZES(peer, "peer.opencv_dis_ms");
 KAZ_SIZES(moving, "vision.moving_ms");
-KAZ_SIZES(sparse, "vision.sparse_flow_ms");
 
 }  // namespace
 }  // namespace kaz::vision

@@ -9,7 +9,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "vision/depth/stereo_testing.h"
-#include "vision/flow/sparse_flow.h"
 #include "vision/image/opencv_threads.h"
 
 namespace kaz::vision {
@@ -36,15 +35,10 @@ struct Flow : ::testing::Test {
   FrameInfo first = at(camera, 100ms), second = at(camera, 133ms);
   FlowFinder finder;
   FlowImage flow;
-  SparseFlow sparse;
-  FlowPoints points;
 
   std::string complaint() {
-    const auto dense = finder.find(before, first, after, second, flow);
-    const auto single = sparse.find(before, first, after, second, points);
-    if (dense || single) return "none";
-    EXPECT_EQ(dense.error().message, single.error().message);
-    return dense.error().message;
+    const auto found = finder.find(before, first, after, second, flow);
+    return found ? "none" : found.error().message;
   }
 };
 
@@ -66,15 +60,6 @@ TEST_F(Flow, OfAShiftIsTheShift) {
   for (int v = 0; v < 240; ++v)
     for (int u = 0; u < 2; ++u) beyond += flow.known(u, v);
   EXPECT_EQ(beyond, 0);
-
-  ASSERT_TRUE(sparse.find(before, first, after, second, points));
-  std::vector<double> errors;
-  for (const FlowPoint& p : points.points)
-    if (p.followed())
-      errors.push_back(((p.after - p.before).cast<double>() - Eigen::Vector2d(shift, 0)).norm());
-  ASSERT_GT(errors.size(), 100U);
-  std::sort(errors.begin(), errors.end());
-  EXPECT_LT(errors[errors.size() * 9 / 10], 0.15);  // noise of one code
 }
 
 TEST_F(Flow, IsTheSameForGreyAndColouredPicturesAndAgain) {
@@ -98,8 +83,6 @@ TEST_F(Flow, IsUnknownWhereThereIsNothingToSee) {
   before = after = plain_picture(320, 240, kTestGrey);
   ASSERT_TRUE(finder.find(before, first, after, second, flow));
   for (const auto& f : flow.flow_px) ASSERT_TRUE(std::isnan(f.x()));
-  ASSERT_TRUE(sparse.find(before, first, after, second, points));
-  EXPECT_TRUE(points.points.empty());
 }
 
 // Noise alone has texture, but nothing of it is found again.
@@ -110,19 +93,6 @@ TEST_F(Flow, IsUnknownWhereTheNextPictureIsAnother) {
   const auto known = std::count_if(flow.flow_px.begin(), flow.flow_px.end(),
                                    [](const auto& f) { return !std::isnan(f.x()); });
   EXPECT_LT(known, 320 * 240 / 20);
-}
-
-TEST_F(Flow, FollowsGivenPointsAndLosesThoseOutside) {
-  std::vector<std::uint8_t> grey(320 * 240);
-  for (std::size_t i = 0; i < grey.size(); ++i) grey[i] = before.rgb[3 * i];
-  const GreyPicture picture{320, 240, grey};
-  ASSERT_TRUE(
-      sparse.follow(picture, first, picture, second, {{160, 120}, {-50, 20}, {400, 10}}, points));
-  ASSERT_EQ(points.points.size(), 3U);
-  EXPECT_TRUE(points.points[0].followed());
-  EXPECT_LT((points.points[0].after - points.points[0].before).norm(), 0.01);
-  EXPECT_EQ(points.points[1].status, FlowPoint::Status::lost);
-  EXPECT_EQ(points.points[2].status, FlowPoint::Status::lost);
 }
 
 TEST_F(Flow, SaysWhatIsWrongWithThePictures) {
@@ -167,9 +137,6 @@ TEST_F(Flow, RefusesOptionsOutOfRange) {
   FlowOptions options;
   options.max_step_px = 0;
   EXPECT_FALSE(FlowFinder(options).find(before, first, after, second, flow));
-  SparseFlowOptions window;
-  window.window_px = 4;
-  EXPECT_FALSE(SparseFlow(window).find(before, first, after, second, points));
 }
 
 // The search begins anew in each stripe of the picture, of which there are as many as threads.

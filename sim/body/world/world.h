@@ -23,6 +23,8 @@
 
 namespace kaz::sim {
 
+struct RobotModel;
+
 struct JointState {
   double angle = 0;     // angle of the output shaft, rad; the potentiometer measures this angle
   double velocity = 0;  // rad/s
@@ -90,6 +92,11 @@ class World {
   static Result<std::unique_ptr<World>> load(const std::string& world_path,
                                              const std::string& robot_path,
                                              const WorldOptions& options);
+  // Like load(), with the robot that load_robot() has read from `robot_path` with WorldOptions::reading.
+  static Result<std::unique_ptr<World>> load_with(const RobotModel& robot,
+                                                  const std::string& world_path,
+                                                  const std::string& robot_path,
+                                                  const WorldOptions& options);
   virtual ~World() = default;
 
   virtual double step_s() const = 0;

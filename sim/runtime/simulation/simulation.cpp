@@ -46,9 +46,15 @@ std::string range_text(double min, double max) {
   return text;
 }
 
+Result<void> read_robot(SimulationOptions& options, const ReadOptions& reading) {
+  if (options.robot_model) return {};
+  auto robot = KAZ_TRY(load_robot(options.robot_path, reading));
+  options.robot_model = std::make_shared<const RobotModel>(std::move(robot));
+  return {};
+}
+
 // The firmware enforces the limits of its channels: another robot's joints must not exceed them.
-Result<void> check_limits(const std::string& robot_path) {
-  const auto robot = KAZ_TRY(load_robot(robot_path, {.body = false}));
+Result<void> check_limits(const std::string& robot_path, const RobotModel& robot) {
   if (robot.is_kaz()) return {};
   const std::size_t count = std::min<std::size_t>(KZ_JOINTS, robot.motors());
   for (std::size_t j = 0; j < count; ++j) {
@@ -106,17 +112,19 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const SimulationOptions& 
   world_options.step_s = options.physics_step_ms / 1000;
   world_options.hung = options.suspended;
   world_options.reading = options.reading;
-  auto world = KAZ_TRY(World::load(options.world_path, options.robot_path, world_options));
-  KAZ_TRY(check_limits(options.robot_path));
+  SimulationOptions completed = options;
+  KAZ_TRY(read_robot(completed, options.reading));
+  auto world = KAZ_TRY(World::load_with(*completed.robot_model, options.world_path,
+                                        options.robot_path, world_options));
+  KAZ_TRY(check_limits(options.robot_path, *completed.robot_model));
   Result<CameraFile> camera;
   if (world->head_frame() >= 0) camera = CameraFile::load(options.camera_path);
   if (!camera) return tl::unexpected(camera.error());
   set_eyes(*camera, options);
   const auto params = KAZ_TRY(
       load_sensor_file(std::filesystem::path(options.robot_path).replace_filename("sensors.xml")));
-  SimulationOptions with_params = options;
-  with_params.sensor_params = params;
-  return assemble(with_params, std::move(mcu), std::move(world), *camera);
+  completed.sensor_params = params;
+  return assemble(completed, std::move(mcu), std::move(world), *camera);
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::assemble(const SimulationOptions& options,
@@ -309,9 +317,9 @@ void Simulation::record_transforms() {
 // The robot as viewers draw it. A motor stand has none.
 Result<void> Simulation::describe_robot() {
   if (world_->link_order().empty() || options_.robot_path.empty()) return {};
-  const auto robot = KAZ_TRY(load_robot(options_.robot_path, {.body = false}));
+  KAZ_TRY(read_robot(options_, {.body = false}));
   robot_frames_.clear();
-  for (const auto& [name, frame] : robot.frames) robot_frames_.push_back(name);
+  for (const auto& [name, frame] : options_.robot_model->frames) robot_frames_.push_back(name);
   recorder_->description(now_, KAZ_TRY(robot_urdf(options_.robot_path)));
   recorder_->scene(now_, world_->scene(), robot_frames_);
   return {};

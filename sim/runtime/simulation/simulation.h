@@ -40,12 +40,15 @@ class Recorder;
 class HandSource;
 class RecordingTap;
 struct RecordedMap;
+struct RobotModel;
 
 // Options of a simulation besides those of the robot.
 struct SimulationSetup {
   std::string image_path;  // path of the firmware image for h8; empty: the flash is erased
   std::string world_path;  // path of an SDF file
   std::string robot_path;  // path of a URDF file
+  // Robot that load_robot() has read from robot_path. create() reads the file if it is null.
+  std::shared_ptr<const RobotModel> robot_model = nullptr;
   // Path of camera.json in the URDF's folder; not read for a robot without eyes.
   std::string camera_path;
   // Parameters of the sensors. create() reads these parameters from sensors.xml in the URDF's folder.

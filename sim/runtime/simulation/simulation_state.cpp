@@ -57,9 +57,11 @@ std::vector<std::pair<std::string, std::string>> facts_of(const SimulationOption
                                                           const World& world) {
   const auto& [mcu, sensors, imu, dynamics, physics_step_ms, eyes, eye_width, renderer,
                supply_volts, seed, suspended, reading] = static_cast<const RobotOptions&>(options);
-  const auto& [image_path, world_path, robot_path, camera_path, sensor_params, supply_ohms, frames,
-               faults, recording_path, tap, hands, record_pictures, recording_facts, make_renderer,
-               drawing, detour_every] = static_cast<const SimulationSetup&>(options);
+  const auto& [image_path, world_path, robot_path, robot_model, camera_path, sensor_params,
+               supply_ohms, frames, faults, recording_path, tap, hands, record_pictures,
+               recording_facts, make_renderer, drawing, detour_every] =
+      static_cast<const SimulationSetup&>(options);
+  static_cast<void>(robot_model);     // read from robot_path
   static_cast<void>(dynamics);        // the world returns it with the iterations
   static_cast<void>(recording_path);  // a recording changes nothing
   static_cast<void>(tap);             // nor does who hears of it

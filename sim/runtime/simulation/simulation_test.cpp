@@ -4,6 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "shared/base/files.hpp"
+#include "sim/body/description/robot_model.h"
 #include "sim/mcu/host_testing.h"
 #include "sim/runtime/simulation/world_testing.h"
 
@@ -133,6 +139,23 @@ TEST(Simulation, ErrorOfTheChipComesOutOfEveryFurtherStep) {
     EXPECT_EQ(stepped.error().message, "undefined instruction");
   }
   EXPECT_EQ((*simulation)->time(), std::chrono::milliseconds(3));
+}
+
+TEST(Simulation, DoesNotReadTheFileOfARobotThatTheOptionsContain) {
+  const std::string folder = make_temporary_folder("kaz-robot-").value();
+  std::filesystem::copy("sim/robots/arm", folder, std::filesystem::copy_options::recursive);
+  SimulationOptions options;
+  options.world_path = "sim/worlds/empty.sdf";
+  options.robot_path = folder + "/arm.urdf";
+  options.robot_model = std::make_shared<const RobotModel>(load_robot(options.robot_path).value());
+  std::ofstream(options.robot_path) << "no robot";
+  const auto simulation = Simulation::create(options);
+  ASSERT_TRUE(simulation) << simulation.error().message;
+  EXPECT_TRUE(
+      std::ranges::equal((*simulation)->world().joint_order(), options.robot_model->joint_order()));
+  options.robot_model = nullptr;
+  EXPECT_FALSE(Simulation::create(options));
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

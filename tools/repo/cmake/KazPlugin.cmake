@@ -1,9 +1,11 @@
-# Plug-ins with behaviors (docs/howto/own-behavior.md) need the id of the headers that they are compiled with,
-# and the package kazPlugin, which finds these headers in the build tree. KazInstall installs both.
+# Plug-ins with behaviors (docs/howto/own-behavior.md) and modules need the id of the headers that they are compiled
+# with, and plug-ins the package kazPlugin, which finds these headers in the build tree. KazInstall installs both.
+include_guard(GLOBAL)
 set(KAZ_INTERFACE_HEADER ${PROJECT_BINARY_DIR}/generated/kaz_interface.h)
 file(GLOB_RECURSE interface_headers CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/host/*.h ${PROJECT_SOURCE_DIR}/host/*.def ${PROJECT_SOURCE_DIR}/vision/*.h
-  ${PROJECT_SOURCE_DIR}/shared/*.h ${PROJECT_SOURCE_DIR}/shared/*.hpp ${PROJECT_SOURCE_DIR}/shared/*.def)
+  ${PROJECT_SOURCE_DIR}/shared/*.h ${PROJECT_SOURCE_DIR}/shared/*.hpp ${PROJECT_SOURCE_DIR}/shared/*.def
+  ${PROJECT_SOURCE_DIR}/sim/body/description/*.h)  # the last: of the WorldModel that a module returns
 list(FILTER interface_headers EXCLUDE REGEX "_testing\\.h")
 list(APPEND interface_headers ${PROJECT_SOURCE_DIR}/shared/robot/kaz/kaz.urdf)  # kz_limits.h is made from it
 set(interface_script ${PROJECT_SOURCE_DIR}/tools/repo/gen/source_id.py)
