@@ -1,9 +1,9 @@
 // Finds logs whose header or time stamps contradict the other logs: gain, mass, length, inertia and time.
 // SPDX-License-Identifier: Apache-2.0
 //
-// A factor that is common to all logs is not found, because parameters absorb it. `gain_ratio` absorbs a gain.
-// Without measured currents, `resistance` absorbs a weight. Two groups that contradict each other do not show
-// which one is wrong. Mass and length have nearly the same effect on one log.
+// A factor that is common to all logs is not found, because parameters absorb it. `gain_ratio` absorbs a
+// gain. Without measured currents, `resistance` absorbs a weight. Two groups that contradict each other do
+// not show which one is wrong. Mass and length have nearly the same effect on one log.
 #pragma once
 
 #include <string>
