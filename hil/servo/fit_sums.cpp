@@ -27,16 +27,33 @@ double current_weight(const ServoLog& log) {
 
 }  // namespace
 
-FitLogs::FitLogs(int model, std::vector<const ServoLog*> logs, const std::vector<std::string>& rigs,
+void scale_stated(ServoLog& log, Stated quantity, double factor) {
+  const double start = log.samples[0].time_s;
+  switch (quantity) {
+    case Stated::gain:
+      log.gain_per_rad *= factor;
+      break;
+    case Stated::weight:
+      log.weight_nm = factor * log.gravity_nm();
+      break;
+    case Stated::inertia:
+      log.inertia_kgm2 = factor * log.load_kgm2();
+      break;
+    case Stated::time:
+      for (ServoSample& one : log.samples) one.time_s = start + factor * (one.time_s - start);
+  }
+}
+
+FitLogs::FitLogs(int model, const std::vector<FitLog>& logs, const std::vector<std::string>& rigs,
                  int threads, const std::function<bool()>& stopped)
     : model_(model),
       infos_(servo_model::servo_params(model)),
       threads_(threads),
       stopped_(stopped) {
-  for (const ServoLog* log : logs)
+  for (const FitLog& one : logs)
     entries_.push_back(
-        {log, static_cast<std::size_t>(std::ranges::find(rigs, log->rig()) - rigs.begin()),
-         current_weight(*log)});
+        {one, static_cast<std::size_t>(std::ranges::find(rigs, one.log->rig()) - rigs.begin()),
+         current_weight(*one.log)});
 }
 
 double FitLogs::cost(const FitPoint& point) const {
@@ -47,28 +64,37 @@ double FitLogs::cost(const FitPoint& point) const {
   return sum;
 }
 
-FitSums FitLogs::sums(const FitPoint& point) const {
+std::vector<FitSums> FitLogs::parts(const FitPoint& point) const {
   std::vector<FitSums> parts(entries_.size());
-  for_each([&](std::size_t i) { parts[i] = sums_of(entries_[i], point); });
-  const auto p = static_cast<Eigen::Index>(infos_.size());
-  const Eigen::Index n = p + static_cast<Eigen::Index>(point.zeros.size());
+  for_each([&](std::size_t i) { parts[i] = part_of(entries_[i], point); });
+  return parts;
+}
+
+FitSums FitLogs::sums(const FitPoint& point) const {
+  const auto n =
+      static_cast<Eigen::Index>(infos_.size() + point.zeros.size() + point.scales.size());
   FitSums all{0, Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i].gradient.size() == 0) continue;  // stopped
-    std::vector<Eigen::Index> place;
-    for (Eigen::Index k = 0; k < p; ++k) place.push_back(k);
-    place.push_back(p + static_cast<Eigen::Index>(entries_[i].rig));
-    all.cost += parts[i].cost;
-    all.square(place, place) += parts[i].square;
-    all.gradient(place) += parts[i].gradient;
+  for (const FitSums& part : parts(point)) {
+    if (part.gradient.size() == 0) continue;  // stopped
+    all.cost += part.cost;
+    all.square += part.square;
+    all.gradient += part.gradient;
   }
   return all;
 }
 
 // Model less reading of each sample, then of each current; weighted.
 Eigen::VectorXd FitLogs::residuals(const Entry& entry, const FitPoint& point) const {
-  const std::vector<ServoSample>& samples = entry.log->samples;
-  const Prediction made = predict(model_, point.params, *entry.log, point.zeros[entry.rig]);
+  ServoLog scaled;
+  const ServoLog* log = entry.fit.log;
+  if (!entry.fit.scaled.empty()) {
+    scaled = *log;
+    for (const ScaledBy& one : entry.fit.scaled)
+      scale_stated(scaled, one.quantity, std::exp(point.scales[one.at]));
+    log = &scaled;
+  }
+  const std::vector<ServoSample>& samples = log->samples;
+  const Prediction made = predict(model_, point.params, *log, point.zeros[entry.rig]);
   const auto n = static_cast<Eigen::Index>(samples.size());
   Eigen::VectorXd all(entry.current_weight > 0 ? 2 * n : n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -81,27 +107,36 @@ Eigen::VectorXd FitLogs::residuals(const Entry& entry, const FitPoint& point) co
 }
 
 // The derivatives are differences of predictions, one-sided where a bound is near.
-FitSums FitLogs::sums_of(const Entry& entry, const FitPoint& point) const {
+FitSums FitLogs::part_of(const Entry& entry, const FitPoint& point) const {
   const Eigen::VectorXd now = residuals(entry, point);
-  const auto p = static_cast<Eigen::Index>(infos_.size());
-  Eigen::MatrixXd slopes(now.size(), p + 1);
-  for (Eigen::Index i = 0; i <= p; ++i) {
+  const std::size_t p = infos_.size(), zeros = point.zeros.size();
+  std::vector<Eigen::Index> place;
+  for (std::size_t i = 0; i < p; ++i) place.push_back(static_cast<Eigen::Index>(i));
+  place.push_back(static_cast<Eigen::Index>(p + entry.rig));
+  for (const ScaledBy& one : entry.fit.scaled)
+    place.push_back(static_cast<Eigen::Index>(p + zeros + one.at));
+  Eigen::MatrixXd slopes(now.size(), static_cast<Eigen::Index>(place.size()));
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    constexpr double kStep = 0.02;  // in units of the unknown's scale
     FitPoint moved = point;
-    double scale = kZeroScale, step = 0.02 * kZeroScale;
+    double step = kStep;
     if (i < p) {
-      const ServoParamInfo& info = infos_[static_cast<std::size_t>(i)];
-      scale = info.scale;
-      step = 0.02 * info.scale;
-      if (point.params.*info.at + step > info.high) step = -step;
-      moved.params.*info.at += step;
+      const ServoParamInfo& info = infos_[i];
+      if (point.params.*info.at + step * info.scale > info.high) step = -step;
+      moved.params.*info.at += step * info.scale;
+    } else if (i == p) {
+      moved.zeros[entry.rig] += step * kZeroScale;
     } else {
-      moved.zeros[entry.rig] += step;
+      moved.scales[entry.fit.scaled[i - p - 1].at] += step * kLogScale;
     }
-    slopes.col(i) = (residuals(entry, moved) - now) * (scale / step);
+    slopes.col(static_cast<Eigen::Index>(i)) = (residuals(entry, moved) - now) / step;
   }
+  const auto n = static_cast<Eigen::Index>(p + zeros + point.scales.size());
+  FitSums part{robust_cost(now), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   const Eigen::VectorXd weights = (now.array().square() + kRobust * kRobust).sqrt().inverse();
-  return {robust_cost(now), slopes.transpose() * weights.asDiagonal() * slopes,
-          slopes.transpose() * weights.cwiseProduct(now)};
+  part.square(place, place) = slopes.transpose() * weights.asDiagonal() * slopes;
+  part.gradient(place) = slopes.transpose() * weights.cwiseProduct(now);
+  return part;
 }
 
 void FitLogs::for_each(const std::function<void(std::size_t)>& work) const {

@@ -4,122 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
-#include <random>
-#include <thread>
+#include <optional>
+#include <set>
 
-#include "hil/servo/fit_sums.h"
+#include "hil/servo/fitter.h"
 
 namespace kaz::hil {
 namespace {
 
 // Largest numbers of logs of the search from several starting points, and of the search from the best one.
 // Only the last rounds use all logs.
-constexpr std::size_t kCoarseLogs = 40, kMediumLogs = 160;
-
-// One unknown of a fit: a parameter of the model or a rig's zero.
-struct Unknown {
-  double low, high, scale;
-};
-
-class Fitter {
- public:
-  Fitter(int model, std::vector<const ServoLog*> logs, const std::vector<std::string>& rigs,
-         int threads, const std::function<bool()>& stopped)
-      : infos_(servo_model::servo_params(model)),
-        logs_(model, std::move(logs), rigs, threads, stopped),
-        stopped_(stopped) {
-    for (const ServoParamInfo& info : infos_)
-      unknowns_.push_back({info.low, info.high, info.scale});
-    unknowns_.resize(infos_.size() + rigs.size(), {-kMostZero, kMostZero, kZeroScale});
-  }
-
-  double cost(const FitPoint& point) const { return logs_.cost(point); }
-
-  // Searches zeros only.
-  void fix_params() { first_open_ = static_cast<Eigen::Index>(infos_.size()); }
-
-  // Improves `point` by the Levenberg-Marquardt method within the bounds, until a round improves the cost by
-  // less than the share `least`. Returns the cost.
-  double improve(FitPoint& point, int rounds, double least) const {
-    FitSums now = logs_.sums(point);
-    double damping = 1e-2;
-    for (int round = 0; round < rounds && !stopped_(); ++round) {
-      const double before = now.cost;
-      bool better = false;
-      for (int tries = 0; tries < 8 && !better; ++tries) {
-        const FitPoint next = stepped(point, now, damping);
-        const double cost = logs_.cost(next);
-        better = std::isfinite(cost) && cost < now.cost && !stopped_();
-        if (better) {
-          point = next;
-          now.cost = cost;
-        }
-        damping = std::clamp(better ? damping * 0.3 : damping * 4, 1e-9, 1e9);
-      }
-      if (!better || before - now.cost < least * before) break;
-      now = logs_.sums(point);
-    }
-    return now.cost;
-  }
-
-  // Fills in values and uncertainties.
-  void judge(const FitPoint& point, ServoFit& fit, std::span<const std::string> rigs) const {
-    const FitSums now = logs_.sums(point);
-    Eigen::MatrixXd square = now.square;
-    const Eigen::Index n = square.rows();
-    // The diagonal of a parameter without effect is 0; a small prior keeps the matrix regular.
-    square.diagonal().array() += 1e-12 * square.trace() / static_cast<double>(n) + 1e-300;
-    const Eigen::MatrixXd inverse = square.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
-    const auto within = [&](std::size_t i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      const double change =
-          unknowns_[i].scale * std::sqrt(0.06 * now.cost * std::max(0.0, inverse(k, k)));
-      return change < unknowns_[i].high - unknowns_[i].low
-                 ? change
-                 : std::numeric_limits<double>::infinity();
-    };
-    for (std::size_t i = 0; i < infos_.size(); ++i) {
-      const double value = point.params.*infos_[i].at, change = within(i);
-      fit.fitted.push_back({&infos_[i], value, change, change < 0.5 * value});
-    }
-    for (std::size_t i = 0; i < rigs.size(); ++i)
-      fit.zeros.push_back({rigs[i], point.zeros[i], within(infos_.size() + i), first_open_ > 0});
-  }
-
- private:
-  double& value_of(FitPoint& point, std::size_t i) const {
-    return i < infos_.size() ? point.params.*infos_[i].at : point.zeros[i - infos_.size()];
-  }
-
-  // If a parameter is at a bound and the cost falls beyond the bound, the parameter stays.
-  FitPoint stepped(const FitPoint& point, const FitSums& now, double damping) const {
-    FitPoint next = point;
-    std::vector<Eigen::Index> open;
-    for (Eigen::Index i = first_open_; i < now.gradient.size(); ++i) {
-      const Unknown& one = unknowns_[static_cast<std::size_t>(i)];
-      const double value = value_of(next, static_cast<std::size_t>(i)), falls = -now.gradient(i);
-      if ((value <= one.low && falls < 0) || (value >= one.high && falls > 0)) continue;
-      open.push_back(i);
-    }
-    Eigen::MatrixXd matrix = now.square(open, open);
-    matrix.diagonal() += damping * (matrix.diagonal().array() + 1e-9 * now.square.trace()).matrix();
-    const Eigen::VectorXd change = matrix.ldlt().solve(-now.gradient(open));
-    for (std::size_t k = 0; k < open.size(); ++k) {
-      const auto i = static_cast<std::size_t>(open[k]);
-      double& value = value_of(next, i);
-      value = std::clamp(value + unknowns_[i].scale * change(static_cast<Eigen::Index>(k)),
-                         unknowns_[i].low, unknowns_[i].high);
-    }
-    return next;
-  }
-
-  std::span<const ServoParamInfo> infos_;
-  std::vector<Unknown> unknowns_;
-  Eigen::Index first_open_ = 0;
-  FitLogs logs_;
-  const std::function<bool()>& stopped_;
-};
+constexpr std::size_t kCoarseLogs = 40, kMediumLogs = 160, kInnerLogs = 80;
 
 // Starting points of the first model: typical motors.
 std::vector<ServoParams> typical_motors() {
@@ -180,31 +77,25 @@ std::vector<ServoParams> varied(int model, const std::vector<ServoParams>& simpl
   return all;
 }
 
-std::vector<const ServoLog*> pointers(const std::vector<ServoLog>& logs) {
-  std::vector<const ServoLog*> all;
-  for (const ServoLog& log : logs) all.push_back(&log);
-  return all;
+std::string labeled(const char* form, double value) {
+  char text[60];
+  std::snprintf(text, sizeof text, form, value);
+  return text;
 }
 
-// A fixed random choice: files often come sorted by motion, and a regular choice would miss some motions.
-std::vector<const ServoLog*> some(std::vector<const ServoLog*> logs, std::size_t most) {
-  std::mt19937 random(1);
-  most = std::min(most, logs.size());
-  for (std::size_t i = 0; i < most; ++i) std::swap(logs[i], logs[i + random() % (logs.size() - i)]);
-  logs.resize(most);
-  return logs;
-}
-
-// Rigs of the logs, in order of appearance, without those in `known`.
-std::vector<std::string> rigs_of(const std::vector<ServoLog>& logs,
-                                 const std::vector<std::string>& known = {}) {
-  std::vector<std::string> rigs;
-  for (const ServoLog& log : logs) {
-    const std::string rig = log.rig();
-    if (std::ranges::count(rigs, rig) == 0 && std::ranges::count(known, rig) == 0)
-      rigs.push_back(rig);
-  }
-  return rigs;
+// Leaves the logs out whose `key` is the middle one; nothing if all have the same.
+template <typename Key>
+std::optional<InnerSplit> split_by(const std::vector<ServoLog>& logs, Key ServoLog::*key,
+                                   bool last) {
+  std::set<Key> keys;
+  for (const ServoLog& log : logs) keys.insert(log.*key);
+  if (keys.size() < 2) return std::nullopt;
+  const Key out = *std::next(keys.begin(),
+                             static_cast<std::ptrdiff_t>(last ? keys.size() - 1 : keys.size() / 2));
+  InnerSplit split;
+  for (const ServoLog& log : logs)
+    (log.*key == out ? split.left_out : split.fitted).push_back(&log);
+  return split;
 }
 
 // One fit of one model, and the start of later ones.
@@ -212,15 +103,17 @@ class Search {
  public:
   Search(const std::vector<ServoLog>& logs, const std::vector<ServoLog>& held_out,
          const ServoFitOptions& options)
-      : logs_(logs), held_out_(held_out), options_(options), rigs_(rigs_of(logs)) {
-    threads_ = options.threads > 0
-                   ? options.threads
-                   : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  }
+      : logs_(logs),
+        held_out_(held_out),
+        options_(options),
+        rigs_(rigs_of(pointers_to(logs))),
+        splits_(inner_splits(logs)),
+        threads_(fit_threads(options.threads)) {}
 
   Result<ServoFit> fit(int model, const std::vector<ServoFit>& before) {
     model_ = model;
     FitPoint best = rough_fit(before);
+    try_current_limits(best);
     const Fitter medium = fitter(kMediumLogs), fine = fitter(logs_.size());
     report(0.5);
     double cost = medium.cost(best);
@@ -240,7 +133,8 @@ class Search {
     made.params = best.params;
     report(0.95);
     fine.judge(best, made, rigs_);
-    fit_held_out_zeros(made);
+    set_held_out_zeros(made);
+    if (options_.models.size() > 1) made.inner_rad = inner_error(best);
     if (options_.stopped()) return fail(Fault::interrupted, "interrupted; nothing was fitted");
     made.fit = errors_of(made, logs_);
     if (!std::isfinite(cost) || made.fit.position_rad > 1)
@@ -248,12 +142,15 @@ class Search {
                   "no motor model fits these logs: check gain_per_rad and the weight, and check "
                   "that position_rad is about 0 while the arm hangs down");
     made.held_out = errors_of(made, held_out_);
+    made.held_out_own_zeros =
+        made.own_zeros.empty() ? made.held_out : errors_of(made.with_own_zeros(), held_out_);
     return made;
   }
 
  private:
-  Fitter fitter(std::size_t most_logs) const {
-    return {model_, some(pointers(logs_), most_logs), rigs_, threads_, options_.stopped};
+  Fitter fitter(std::size_t most_logs) const { return fitter(pointers_to(logs_), most_logs); }
+  Fitter fitter(const std::vector<const ServoLog*>& logs, std::size_t most_logs) const {
+    return {model_, unscaled(some_logs(logs, most_logs)), rigs_, threads_, options_.stopped};
   }
 
   // Searches from all starting points with some of the logs.
@@ -286,27 +183,88 @@ class Search {
                         "model M" + std::to_string(model_));
   }
 
-  void fit_held_out_zeros(ServoFit& made) const {
-    const std::vector<std::string> rigs = rigs_of(held_out_, rigs_);
+  // The cost is flat while no current reaches the limit, so the search tries limits that act.
+  void try_current_limits(FitPoint& best) const {
+    if (best.params.most_current < ServoParams().most_current) return;
+    const std::vector<const ServoLog*> logs = some_logs(pointers_to(logs_), kCoarseLogs);
+    const Fitter rough = fitter(logs, logs.size());
+    double largest = 0;
+    for (const ServoLog* log : logs) {
+      const Prediction made = predict(model_, best.params, *log, zero_in(best, *log));
+      for (const double current : made.current_a) largest = std::max(largest, std::abs(current));
+    }
+    double cost = rough.improve(best, 3, 1e-3);
+    for (const double share : {0.75, 0.5}) {
+      FitPoint limited = best;
+      limited.params.most_current = share * largest;
+      const double there = rough.improve(limited, 6, 1e-3);
+      // Without a clear gain, the limit would only make up for other errors.
+      if (!(there < 0.98 * cost)) continue;
+      best = limited;
+      cost = there;
+    }
+  }
+
+  double zero_in(const FitPoint& point, const ServoLog& log) const {
+    const auto at = std::ranges::find(rigs_, log.rig()) - rigs_.begin();
+    return point.zeros[static_cast<std::size_t>(at)];
+  }
+
+  // Error of the left-out logs of the inner splits. A rig without fitted logs has the mean zero.
+  double inner_error(const FitPoint& best) const {
+    double sum = 0;
+    for (const InnerSplit& split : splits_) {
+      FitPoint point = best;
+      fitter(split.fitted, kInnerLogs).improve(point, 12, 3e-4);
+      ServoFit inner;
+      inner.model = model_;
+      inner.params = point.params;
+      for (const std::string& rig : rigs_of(split.fitted))
+        inner.zeros.push_back(
+            {rig,
+             point.zeros[static_cast<std::size_t>(std::ranges::find(rigs_, rig) - rigs_.begin())]});
+      add_mean_zeros(inner, rigs_of(split.left_out, rigs_of(split.fitted)));
+      std::vector<ServoLog> left_out;
+      for (const ServoLog* log : some_logs(split.left_out, kInnerLogs)) left_out.push_back(*log);
+      sum += errors_of(inner, left_out).position_rad;
+    }
+    return splits_.empty() ? std::numeric_limits<double>::infinity()
+                           : sum / static_cast<double>(splits_.size());
+  }
+
+  // Gives the rigs the mean zero of the others.
+  static void add_mean_zeros(ServoFit& fit, const std::vector<std::string>& rigs) {
+    double sum = 0;
+    for (const RigZero& one : fit.zeros) sum += one.zero_rad;
+    const double mean = fit.zeros.empty() ? 0 : sum / static_cast<double>(fit.zeros.size());
+    for (const std::string& rig : rigs)
+      fit.zeros.push_back({rig, mean, std::numeric_limits<double>::infinity(), true});
+  }
+
+  void set_held_out_zeros(ServoFit& made) const {
+    const std::vector<std::string> rigs = rigs_of(pointers_to(held_out_), rigs_);
     if (rigs.empty()) return;
+    add_mean_zeros(made, rigs);
     std::vector<const ServoLog*> logs;
     for (const ServoLog& log : held_out_)
       if (std::ranges::count(rigs, log.rig()) > 0) logs.push_back(&log);
-    Fitter fitter(made.model, logs, rigs, threads_, options_.stopped);
-    fitter.fix_params();
+    Fitter own(made.model, unscaled(logs), rigs, threads_, options_.stopped);
+    own.fix_params();
     FitPoint point{made.params, std::vector<double>(rigs.size(), 0)};
-    fitter.improve(point, 20, 1e-4);
+    own.improve(point, 20, 1e-4);
     ServoFit zeros;
-    fitter.judge(point, zeros, rigs);
-    made.zeros.insert(made.zeros.end(), zeros.zeros.begin(), zeros.zeros.end());
+    own.judge(point, zeros, rigs);
+    made.own_zeros = zeros.zeros;
+    for (RigZero& one : made.own_zeros) one.held_out = true;
   }
 
   const std::vector<ServoLog>& logs_;
   const std::vector<ServoLog>& held_out_;
   const ServoFitOptions& options_;
   std::vector<std::string> rigs_;
+  std::vector<InnerSplit> splits_;
   std::vector<double> zeros_ = std::vector<double>(rigs_.size(), 0);
-  int threads_ = 1, model_ = 1;
+  int threads_, model_ = 1;
 };
 
 }  // namespace
@@ -316,6 +274,43 @@ double ServoFit::zero_of(const ServoLog& log) const {
   for (const RigZero& one : zeros)
     if (one.rig == rig) return one.zero_rad;
   return 0;
+}
+
+ServoFit ServoFit::with_own_zeros() const {
+  ServoFit copy = *this;
+  for (RigZero& one : copy.zeros)
+    for (const RigZero& own : own_zeros)
+      if (own.rig == one.rig) one = own;
+  return copy;
+}
+
+std::vector<InnerSplit> inner_splits(const std::vector<ServoLog>& logs) {
+  std::vector<InnerSplit> all;
+  if (auto gain = split_by(logs, &ServoLog::gain_per_rad, false)) {
+    gain->name = labeled("gain %.4g per rad", gain->left_out[0]->gain_per_rad);
+    all.push_back(std::move(*gain));
+  }
+  if (auto mass = split_by(logs, &ServoLog::mass_kg, false)) {
+    mass->name = labeled("mass %.4g kg", mass->left_out[0]->mass_kg);
+    all.push_back(std::move(*mass));
+  }
+  if (!all.empty()) return all;
+  if (auto motion = split_by(logs, &ServoLog::motion, true)) {
+    motion->name = "motion " + motion->left_out[0]->motion;
+    all.push_back(std::move(*motion));
+  }
+  return all;
+}
+
+const ServoFit& chosen_fit(const std::vector<ServoFit>& fits) {
+  const bool inner = std::isfinite(fits.front().inner_rad);
+  const auto error = [inner](const ServoFit& fit) {
+    return inner ? fit.inner_rad : fit.fit.position_rad;
+  };
+  double least = error(fits.front());
+  for (const ServoFit& fit : fits) least = std::min(least, error(fit));
+  return *std::ranges::find_if(fits,
+                               [&](const ServoFit& fit) { return error(fit) <= 1.03 * least; });
 }
 
 LogErrors errors_of(const ServoFit& fit, const std::vector<ServoLog>& logs) {

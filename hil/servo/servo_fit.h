@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,23 +35,46 @@ struct RigZero {
   double zero_rad = 0;  // reading while the arm hangs straight down
   // Uncertainty as above. If it is infinity, the logs do not determine the zero.
   double determined_within = 0;
-  bool held_out =
-      false;  // the rig has only held-out logs; its zero was fitted to them, and nothing else
+  bool held_out = false;  // the rig has only held-out logs; see ServoFit::own_zeros
 };
 
 struct ServoFit {
   int model = 1;
   ServoParams params;
   std::vector<FittedServoParam> fitted;
+  // A rig with only held-out logs has the mean zero of the fitted rigs.
   std::vector<RigZero> zeros;
   LogErrors fit, held_out;  // errors for the fitted logs and for the held-out logs
+  // Mean position error for fitted logs that an inner split left out, rad. Infinity: there is no inner split.
+  double inner_rad = std::numeric_limits<double>::infinity();
+  // Zeros of rigs with only held-out logs, fitted to these logs and nothing else, and the error of all
+  // held-out logs with these zeros. They describe the data, not a prediction.
+  std::vector<RigZero> own_zeros;
+  LogErrors held_out_own_zeros;
 
   // Zero of the log's rig; 0 if the fit had no log of the rig.
   double zero_of(const ServoLog& log) const;
   Prediction predict(const ServoLog& log) const {
     return hil::predict(model, params, log, zero_of(log));
   }
+  // Copy of the fit in which rigs with only held-out logs have their own zeros.
+  ServoFit with_own_zeros() const;
 };
+
+// Part of the fitted logs that is left out for the choice of a model.
+struct InnerSplit {
+  std::string name;  // such as "gain 2.64 per rad"
+  std::vector<const ServoLog*> fitted, left_out;
+};
+
+// Inner splits for the choice of a model: the middle gain is left out, and the middle mass is left out (of
+// two, the larger). A single gain or mass gives no split. Logs with one gain and one mass have one split: the
+// last motion by name is left out. The splits do not depend on held-out logs.
+std::vector<InnerSplit> inner_splits(const std::vector<ServoLog>& logs);
+
+// Returns the simplest model whose `inner_rad` is within 3 % of the smallest; without inner splits, the
+// same by the error of the fitted logs. `fits` must not be empty.
+const ServoFit& chosen_fit(const std::vector<ServoFit>& fits);
 
 // Computes the errors over all samples of all logs.
 LogErrors errors_of(const ServoFit& fit, const std::vector<ServoLog>& logs);

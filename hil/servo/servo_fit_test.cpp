@@ -81,8 +81,8 @@ TEST(ServoFits, DoNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one->front().fitted[i].value, three->front().fitted[i].value);
 }
 
-// The horn of another rig is another zero, which only its own logs can show.
-TEST(ServoFits, FitTheZeroOfAHeldOutRigAndNothingElse) {
+// A prediction must not use the logs that judge it, so a held-out rig has the mean zero of the others.
+TEST(ServoFits, PredictAHeldOutRigWithTheMeanZero) {
   truth::Planted planted{0, 1e9, 0, 0, 0.02, true};
   std::vector<ServoLog> logs, held_out;
   for (const Motion motion : {Motion::two_sines, Motion::lift_and_drop, Motion::up_and_down}) {
@@ -101,7 +101,11 @@ TEST(ServoFits, FitTheZeroOfAHeldOutRigAndNothingElse) {
   EXPECT_FALSE(fit.zeros[0].held_out);
   EXPECT_TRUE(fit.zeros[1].held_out);
   EXPECT_EQ(fit.zeros[1].rig, held_out[0].rig());
-  EXPECT_NEAR(fit.zeros[1].zero_rad, -0.04, 0.005);
+  EXPECT_EQ(fit.zeros[1].zero_rad, fit.zeros[0].zero_rad);
+  ASSERT_EQ(fit.own_zeros.size(), 1u);
+  EXPECT_NEAR(fit.own_zeros[0].zero_rad, -0.04, 0.005);
+  EXPECT_EQ(fit.with_own_zeros().zero_of(held_out[0]), fit.own_zeros[0].zero_rad);
+  EXPECT_LT(fit.held_out_own_zeros.position_rad, 0.7 * fit.held_out.position_rad);
   EXPECT_EQ(fit.params.kt, alone->back().params.kt);
 }
 
@@ -120,6 +124,61 @@ TEST(ServoFits, SayWhatTheLogsDoNotDetermine) {
     }
   }
   EXPECT_EQ(fits->front().held_out.position_rad, 0);
+}
+
+TEST(ServoFits, LeaveTheMiddleGainAndMassOutForTheChoice) {
+  std::vector<ServoLog> logs(4, still_pendulum(2));
+  for (std::size_t i = 0; i < 4; ++i) logs[i].motion = i < 2 ? "a" : "b";
+  auto splits = inner_splits(logs);
+  ASSERT_EQ(splits.size(), 1u);
+  EXPECT_EQ(splits[0].name, "motion b");
+  logs[1].gain_per_rad = 5;
+  logs[2].gain_per_rad = 6;
+  logs[3].mass_kg = 0.2;
+  splits = inner_splits(logs);
+  ASSERT_EQ(splits.size(), 2u);
+  EXPECT_EQ(splits[0].name, "gain 5 per rad");
+  EXPECT_EQ(splits[0].left_out, std::vector<const ServoLog*>{&logs[1]});
+  EXPECT_EQ(splits[1].name, "mass 0.4 kg") << "the larger of two";
+  EXPECT_EQ(splits[1].fitted, std::vector<const ServoLog*>{&logs[3]});
+  EXPECT_TRUE(inner_splits({logs[0]}).empty());
+}
+
+TEST(ServoFits, AreChosenWithoutTheHeldOutLogs) {
+  std::vector<ServoFit> fits(3);
+  for (int i = 0; i < 3; ++i) fits[static_cast<std::size_t>(i)].model = i + 1;
+  fits[0].held_out.position_rad = 1e-3;
+  fits[0].fit.position_rad = 0.01;
+  fits[1].fit.position_rad = 0.0051;
+  fits[2].fit.position_rad = 0.005;
+  EXPECT_EQ(chosen_fit(fits).model, 2) << "within 3 % of the smallest";
+  fits[0].inner_rad = 0.02;
+  fits[1].inner_rad = 0.012;
+  fits[2].inner_rad = 0.01;
+  EXPECT_EQ(chosen_fit(fits).model, 3);
+}
+
+// A weight that the servo lifts with 80 % and with 100 % duty to the same angle.
+TEST(ServoFits, FindACurrentLimit) {
+  ServoFit truth;
+  truth.params.kt = 1.6;
+  truth.params.most_current = 0.8;
+  std::vector<ServoLog> logs;
+  for (const double gain : {1.0, 0.5, 0.25})
+    for (const Motion motion : {Motion::two_sines, Motion::up_and_down})
+      logs.push_back(log_of(truth::swing(3, motion, 1, gain, 4)));
+  for (ServoLog& log : logs) {
+    const Prediction made = truth.predict(log);
+    for (std::size_t i = 0; i < log.samples.size(); ++i) {
+      log.samples[i].position_rad = made.position_rad[i];
+      log.samples[i].current_a = made.current_a[i];
+    }
+  }
+  ServoFitOptions options;
+  options.models = {1};
+  const auto fits = fit_servo(logs, {}, options);
+  ASSERT_TRUE(fits) << fits.error().message;
+  EXPECT_NEAR(fits->back().params.most_current, 0.8, 0.02);
 }
 
 TEST(ServoFits, AreRefusedWithAReason) {

@@ -21,6 +21,7 @@ constexpr ServoParamInfo kBias{"error_bias", "rad", &P::error_bias, 0, 0.02, 5e-
 constexpr ServoParamInfo kDelay{"delay", "s", &P::delay, 0, 0.1, 5e-3};
 constexpr ServoParamInfo kSlew{"slew", "rad/s", &P::slew, 0.2, 100, 0.5};
 constexpr ServoParamInfo kLag{"lag", "s", &P::lag, 0, 0.05, 5e-3};
+constexpr ServoParamInfo kMostCurrent{"most_current", "A", &P::most_current, 0.02, 1000, 0.1};
 constexpr ServoParamInfo kCoasting{"coasting", "N m", &P::coasting, 0, 1, 0.02};
 constexpr ServoParamInfo kStribeck{"stribeck", "N m", &P::stribeck, 0, 5, 0.01};
 constexpr ServoParamInfo kStribeckSpeed{
@@ -41,7 +42,7 @@ constexpr double kBiasRamp = 3e-3;  // rad: below this error, the bias is propor
 template <std::size_t N>
 constexpr auto with_law(const std::array<ServoParamInfo, N>& friction) {
   constexpr std::array law{kKt,   kResistance, kArmature, kBase, kViscous, kCoasting,
-                           kGain, kBias,       kDelay,    kSlew, kLag};
+                           kGain, kBias,       kDelay,    kSlew, kLag,     kMostCurrent};
   std::array<ServoParamInfo, law.size() + N> all{};
   std::ranges::copy(friction, std::ranges::copy(law, all.begin()).out);
   return all;
@@ -115,7 +116,9 @@ double ServoDrive::advance(const ServoCommand& command, double angle_rad, double
   }
   const double off = duty_ - target;
   duty_ = target + off * left_;
-  return (command.volts * (target + off * mean_left_) - p.kt * speed) / p.resistance;
+  const double current =
+      (command.volts * (target + off * mean_left_) - p.kt * speed) / p.resistance;
+  return std::clamp(current, -p.most_current, p.most_current);
 }
 
 double speed_after(double speed, double torque_nm, double friction_nm, double inertia, double dt) {

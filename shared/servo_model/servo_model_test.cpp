@@ -117,6 +117,15 @@ TEST(ServoDrives, LimitTheDuty) {
   EXPECT_NEAR(duty_of(drive, command, 0, 0.01, p), 0.97, 1e-12);
 }
 
+TEST(ServoDrives, LimitTheCurrent) {
+  ServoParams p;
+  p.most_current = 1.5;
+  const ServoCommand command{3, 12, 10, 1, true};
+  ServoDrive drive(p, 3);
+  EXPECT_EQ(drive.advance(command, 0, 0, 0.01), 1.5) << "without the limit, 12 V / 3 ohm";
+  EXPECT_EQ(drive.advance(command, 6, 0, 0.01), -1.5);
+}
+
 TEST(Friction, StopsTheShaftButDoesNotReverseIt) {
   EXPECT_EQ(speed_after(0.1, 0.02, 5, 0.01, 0.01), 0);
   EXPECT_NEAR(speed_after(1, 0.5, 0.2, 0.1, 0.01), 1.03, 1e-12);

@@ -46,7 +46,10 @@ Json errors_json(const hil::LogErrors& errors, bool current) {
 
 Json fit_json(const ServoFit& fit, bool current, bool held_out) {
   Json json{{"model", fit.model}, {"error", errors_json(fit.fit, current)}};
+  if (std::isfinite(fit.inner_rad)) json["inner_splits_rad"] = fit.inner_rad;
   if (held_out) json["held_out"] = errors_json(fit.held_out, current);
+  if (!fit.own_zeros.empty())
+    json["held_out_own_zeros"] = errors_json(fit.held_out_own_zeros, current);
   for (const FittedServoParam& one : fit.fitted) {
     auto& param = json["params"][std::string(one.of->name)];
     param = {{"unit", one.of->unit}, {"value", one.value}, {"determined", one.determined}};
@@ -54,20 +57,22 @@ Json fit_json(const ServoFit& fit, bool current, bool held_out) {
   }
   for (const hil::RigZero& one : fit.zeros) {
     auto& zero = json["zeros"][one.rig];
-    zero = {{"rad", one.zero_rad}, {"from_held_out_logs", one.held_out}};
+    zero = {{"rad", one.zero_rad}, {"mean_of_fitted_rigs", one.held_out}};
     if (std::isfinite(one.determined_within)) zero["within"] = one.determined_within;
   }
+  for (const hil::RigZero& one : fit.own_zeros) json["own_zeros"][one.rig]["rad"] = one.zero_rad;
   return json;
 }
 
 using Rows = std::vector<std::vector<std::string>>;
 
 Rows model_rows(const ServoResult& result) {
-  Rows rows{{"model", "position", "held out", "current", "held out"},
-            {"", "degrees", "degrees", "%", "%"}};
+  Rows rows{{"model", "position", "inner splits", "held out", "current", "held out"},
+            {"", "degrees", "degrees", "degrees", "%", "%"}};
   const bool current = result.current, held_out = !result.held_out.empty();
   for (const ServoFit& fit : result.fits)
     rows.push_back({"M" + std::to_string(fit.model), number(kDegrees * fit.fit.position_rad),
+                    std::isfinite(fit.inner_rad) ? number(kDegrees * fit.inner_rad) : "-",
                     held_out ? number(kDegrees * fit.held_out.position_rad) : "-",
                     current ? number(100 * fit.fit.current_share) : "-",
                     current && held_out ? number(100 * fit.held_out.current_share) : "-"});
@@ -81,8 +86,9 @@ Rows param_rows(const ServoFit& best) {
         {std::string(one.of->name), number(one.value), std::string(one.of->unit), within(one)});
   for (const hil::RigZero& one : best.zeros)
     rows.push_back({"zero of " + one.rig, number(one.zero_rad), "rad",
-                    std::isfinite(one.determined_within) ? "+- " + number(one.determined_within)
-                                                         : "not determined"});
+                    one.held_out                           ? "mean of the fitted rigs"
+                    : std::isfinite(one.determined_within) ? "+- " + number(one.determined_within)
+                                                           : "not determined"});
   return rows;
 }
 
@@ -94,6 +100,16 @@ Rows score_rows(const ServoScore& score) {
                     std::to_string(one.logs), mrad(one.error_rad), mrad(one.trimmed_rad),
                     mrad(one.floor_rad)});
   return rows;
+}
+
+std::string choice_sentence(const ServoResult& result) {
+  std::string text = "M" + std::to_string(result.best().model) +
+                     ": simplest model within 3 % of the smallest error ";
+  if (!std::isfinite(result.best().inner_rad)) return text + "of the fitted logs";
+  std::string names;
+  for (const hil::InnerSplit& one : hil::inner_splits(result.logs))
+    names += (names.empty() ? "" : " and ") + one.name;
+  return text + "of the inner splits, which leave out " + names;
 }
 
 // Sentences on the quality of logs and model.
@@ -112,6 +128,12 @@ std::vector<std::string> remarks(const ServoResult& result) {
                   std::to_string(positions) + " positions");
   if (currents > 0)
     all.push_back("currents without sign, not used: " + std::to_string(currents) + " logs");
+  if (!result.own_zeros_score.groups.empty())
+    all.push_back("error of the held-out logs with zeros fitted to them: " +
+                  mrad(result.own_zeros_score.groups[0].error_rad) + " mrad");
+  all.push_back(choice_sentence(result));
+  for (const hil::WrongInput& one : result.wrong)
+    all.push_back("wrong input? " + hil::sentence_of(one));
   for (const std::string& name : result.score.strays)
     all.push_back(name + " ends more than 150 mrad from its repeats");
   for (const hil::ModelGap& gap : result.score.gaps)
@@ -144,16 +166,17 @@ std::string table_text(const Rows& rows) {
 
 }  // namespace
 
-const hil::ServoFit& chosen_fit(const std::vector<hil::ServoFit>& fits, bool held_out) {
-  const auto error = [held_out](const hil::ServoFit& fit) {
-    return held_out ? fit.held_out.position_rad : fit.fit.position_rad;
-  };
-  double least = error(fits.front());
-  for (const hil::ServoFit& fit : fits) least = std::min(least, error(fit));
-  for (const hil::ServoFit& fit : fits) {
-    if (error(fit) <= 1.03 * least) return fit;
-  }
-  return fits.front();
+Result<void> judge_servo(ServoResult& result, const hil::ServoFitOptions& options) {
+  const ServoFit& best = result.best();
+  result.score = hil::score_of(best, result.held_out.empty() ? result.logs : result.held_out);
+  if (!best.own_zeros.empty())
+    result.own_zeros_score = hil::score_of(best.with_own_zeros(), result.held_out);
+  for (const ServoLog& log : result.logs) result.current = result.current || log.has_current;
+  std::vector<ServoLog> all = result.logs;
+  all.insert(all.end(), result.held_out.begin(), result.held_out.end());
+  result.wrong = hil::wrong_inputs(best.with_own_zeros(), all, options);
+  if (options.stopped()) return fail(Fault::interrupted, "interrupted; nothing was written");
+  return {};
 }
 
 Json servo_score_json(const ServoScore& score) {
@@ -186,6 +209,14 @@ Json servo_json(const ServoResult& result) {
   for (const ServoFit& fit : result.fits)
     json["models"].push_back(fit_json(fit, result.current, !result.held_out.empty()));
   json["score"] = servo_score_json(result.score);
+  if (!result.own_zeros_score.groups.empty())
+    json["score_own_zeros"] = servo_score_json(result.own_zeros_score);
+  json["wrong_inputs"] = Json::array();
+  for (const hil::WrongInput& one : result.wrong)
+    json["wrong_inputs"].push_back({{"logs", one.logs},
+                                    {"quantity", one.quantity},
+                                    {"factor", one.factor},
+                                    {"other", one.other}});
   json["remarks"] = remarks(result);
   json["provenance"] = provenance_json();
   return json;

@@ -7,24 +7,27 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/servo/input_check.h"
 #include "hil/servo/servo_score.h"
 #include "shared/plot/plot.h"
 
 namespace kaz::tools {
-
-// Returns the model with the smallest error on the held-out logs, or without such logs on the fitted ones. If
-// several models are within 3 % of the smallest error, returns the simplest. `fits` must not be empty.
-const hil::ServoFit& chosen_fit(const std::vector<hil::ServoFit>& fits, bool held_out);
 
 struct ServoResult {
   std::vector<hil::ServoLog> logs, held_out;
   std::vector<hil::ServoFit> fits;
   // Score of the chosen fit, on the held-out logs or without such logs on the fitted ones.
   hil::ServoScore score;
-  bool current = false;  // the logs have currents
+  // Score of the held-out logs with zeros fitted to them; no groups if all rigs have fitted logs.
+  hil::ServoScore own_zeros_score;
+  std::vector<hil::WrongInput> wrong;  // stated values that contradict the logs
+  bool current = false;                // the logs have currents
 
-  const hil::ServoFit& best() const { return chosen_fit(fits, !held_out.empty()); }
+  const hil::ServoFit& best() const { return hil::chosen_fit(fits); }
 };
+
+// Scores the chosen fit and checks the stated values of all logs. Errors: `options.stopped` (interrupted).
+Result<void> judge_servo(ServoResult& result, const hil::ServoFitOptions& options);
 
 nlohmann::ordered_json servo_json(const ServoResult& result);
 nlohmann::ordered_json servo_score_json(const hil::ServoScore& score);

@@ -75,9 +75,7 @@ Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
   const auto fitted = hil::fit_servo(result.logs, result.held_out, options);
   progress.done();
   result.fits = KAZ_TRY(fitted);
-  result.score =
-      hil::score_of(result.best(), result.held_out.empty() ? result.logs : result.held_out);
-  for (const ServoLog& log : result.logs) result.current = result.current || log.has_current;
+  KAZ_TRY(judge_servo(result, options));
   const auto json = servo_json(result);
   std::vector<plot::PlotPage> plots;
   for (const ServoLog& log : result.held_out)

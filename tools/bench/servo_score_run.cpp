@@ -88,7 +88,7 @@ Result<SplitScore> scored(const Split& split, const std::vector<ServoLog>& logs,
                                   std::to_string(logs.size()) +
                                   " logs: must hold out at least one log and leave one to fit");
   score.result.fits = KAZ_TRY(hil::fit_servo(score.result.logs, score.result.held_out, options));
-  score.result.score = hil::score_of(score.result.best(), score.result.held_out);
+  KAZ_TRY(judge_servo(score.result, options));
   return score;
 }
 
@@ -101,6 +101,17 @@ std::string in_mrad(double rad) {
 
 using Table = std::vector<std::vector<std::string>>;
 
+void add_groups(Table& rows, const std::vector<std::string>& start, const hil::ServoScore& score,
+                const std::string& prefix) {
+  for (const hil::GroupScore& group : score.groups) {
+    rows.push_back(start);
+    for (const std::string& cell :
+         {prefix + group.kind, group.name, std::to_string(group.logs), in_mrad(group.error_rad),
+          in_mrad(group.trimmed_rad), in_mrad(group.floor_rad)})
+      rows.back().push_back(cell);
+  }
+}
+
 Table table_of(const std::vector<SplitScore>& scores) {
   Table rows{{"held_out", "model", "group", "name", "logs", "error_mrad", "without_strays_mrad",
               "repeatability_mrad"}};
@@ -110,10 +121,12 @@ Table table_of(const std::vector<SplitScore>& scores) {
       rows.push_back({one.name, "M" + std::to_string(fit.model), "model", "all logs",
                       std::to_string(one.result.held_out.size()),
                       in_mrad(fit.held_out.position_rad), "", ""});
-    for (const hil::GroupScore& group : one.result.score.groups)
-      rows.push_back({one.name, best, group.kind, group.name, std::to_string(group.logs),
-                      in_mrad(group.error_rad), in_mrad(group.trimmed_rad),
-                      in_mrad(group.floor_rad)});
+    for (const hil::ServoFit& fit : one.result.fits)
+      if (std::isfinite(fit.inner_rad))
+        rows.push_back({one.name, "M" + std::to_string(fit.model), "model", "inner splits", "",
+                        in_mrad(fit.inner_rad), "", ""});
+    add_groups(rows, {one.name, best}, one.result.score, "");
+    add_groups(rows, {one.name, best}, one.result.own_zeros_score, "own zeros, ");
   }
   return rows;
 }

@@ -157,8 +157,8 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       ->required();
   verb->add_option(
           "--held-out", arguments->held_out,
-          "logs on which the fitted models are tested. Kaz chooses the simplest model whose error "
-          "on these logs is within 3 % of the smallest error")
+          "logs on which the fitted models are tested. They do not affect the fit or the choice of "
+          "the model")
       ->type_name("FILE");
   verb->add_option("--model", arguments->model,
                    "fit the friction models from M1 up to this number; for example, 4 selects M1 "
