@@ -22,6 +22,13 @@ constexpr std::size_t kMostBytes = 1 << 20, kMostErrors = 50;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
+struct ShippedServo {
+  std::string_view name, text;
+};
+constexpr std::array kShippedServos{
+#include "kz_shipped_servos.h"
+};
+
 struct TextKey {
   const char* name;
   std::string IdentifiedServo::*at;
@@ -156,8 +163,22 @@ Result<IdentifiedServo> parse_servo_file(const std::string& path, const std::str
 
 Result<IdentifiedServo> load_servo_file(const std::string& path) {
   const auto text = KAZ_TRY(read_whole_file(
-      path, kMostBytes, "give the file of an identified servo (docs/reference/robot.md)"));
+      path, kMostBytes, "give the servo.json of kaz bench servo"));
   return parse_servo_file(path, text);
+}
+
+std::string shipped_servo_names() {
+  std::string names;
+  for (const ShippedServo& one : kShippedServos)
+    names += (names.empty() ? "" : ", ") + std::string(one.name);
+  return names;
+}
+
+Result<IdentifiedServo> shipped_servo(const std::string& name) {
+  for (const ShippedServo& one : kShippedServos)
+    if (one.name == name) return parse_servo_file(name + ".json", std::string(one.text));
+  return fail(Fault::usage, "no shipped servo has the name `" + cut_text(one_line(name)) +
+                                "`: must be one of " + shipped_servo_names());
 }
 
 std::string servo_file_text(const IdentifiedServo& servo) {

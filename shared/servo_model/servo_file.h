@@ -1,7 +1,7 @@
 // Reads and writes the file of an identified servo: parameters with intervals, and their origin.
 // SPDX-License-Identifier: Apache-2.0
 //
-// The file is JSON. docs/reference/robot.md specifies the format. Fits write it, and motor.xml names it.
+// The file is JSON. `kaz bench servo` writes it, and motor.xml names it.
 #pragma once
 
 #include <limits>
@@ -41,6 +41,10 @@ struct IdentifiedServo {
 Result<IdentifiedServo> parse_servo_file(const std::string& path, const std::string& text);
 // Reads and parses a servo file.
 Result<IdentifiedServo> load_servo_file(const std::string& path);
+// Names of the servos that Kaz ships (shared/servo_model/servos), separated by ", ".
+std::string shipped_servo_names();
+// Returns a servo that Kaz ships, such as "sts3215-12v". Errors (usage): there is no such servo.
+Result<IdentifiedServo> shipped_servo(const std::string& name);
 // Returns the text of a servo file. parse_servo_file() reads the same numbers from it.
 std::string servo_file_text(const IdentifiedServo& servo);
 

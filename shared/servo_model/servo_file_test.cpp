@@ -47,10 +47,12 @@ TEST(ServoFile, HasDefaultsForParametersOfOtherModels) {
 
 TEST(ServoFile, IsShippedForTwoServos) {
   for (const char* name : {"sts3215-12v", "xl330-7v4"}) {
-    const auto servo = load_servo_file(std::string("sim/robots/servos/") + name + ".json");
+    const auto servo = shipped_servo(name);
     ASSERT_TRUE(servo) << servo.error().message;
     EXPECT_GT(servo->held_out_rad, 0.005);
   }
+  EXPECT_EQ(shipped_servo("sts1").error().message,
+            "no shipped servo has the name `sts1`: must be one of sts3215-12v, xl330-7v4");
 }
 
 TEST(ServoFile, ReportsAllErrorsWithFileAndKey) {

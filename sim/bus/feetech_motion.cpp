@@ -102,7 +102,8 @@ void FeetechMotion::follow_profile(const RegisterFile& registers, double goal, d
   if (timed_speed_ > 0) speed = timed_speed_;
   speed = std::min(speed, highest);
   const int acceleration = registers.get("acceleration");
-  const int rate = std::min(acceleration, registers.get("max_acceleration", acceleration));
+  const int highest_rate = registers.get("max_acceleration");
+  const int rate = highest_rate > 0 ? std::min(acceleration, highest_rate) : acceleration;
   // An identified servo has its own limit of the speed.
   if (law_ && acceleration == 0 && speed == highest)
     trajectory_.hold(goal);
@@ -172,9 +173,8 @@ MotorDrive FeetechMotion::step(RegisterFile& registers, const ServoReading& read
     report(registers, reading, now);
     return {.duty = 0, .powered = command.torque == 2};
   }
-  const double most =
-      std::min({law_ ? 1.0 : kMaxDuty, limit,
-                1e-3 * registers.get("torque_limit", registers.get("max_torque"))});
+  const double most = std::min(
+      {kMaxDuty, limit, 1e-3 * registers.get("torque_limit", registers.get("max_torque"))});
   if (!powered_) {
     hold(registers, place);
     if (!goal_known_) steps_goal_ = place;

@@ -93,11 +93,19 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
   return {};
 }
 
-// Reads the servo's file and sets the numbers that it replaces.
+// A shipped servo by its name, or a file beside the motor file.
+Result<servo_model::IdentifiedServo> servo_of(const XmlFile& file,
+                                              const tinyxml2::XMLElement& element) {
+  const char *name = element.Attribute("name"), *path = element.Attribute("file");
+  if ((name == nullptr) == (path == nullptr))
+    return fail(Fault::usage, "must have either the attribute `name` or the attribute `file`");
+  if (name != nullptr) return servo_model::shipped_servo(name);
+  return servo_model::load_servo_file(std::filesystem::path(file.path()).replace_filename(path));
+}
+
+// Reads the servo and sets the numbers that it replaces.
 Result<void> read_servo(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
-  const auto name = KAZ_TRY(file.attribute(element, "file"));
-  const std::filesystem::path path = std::filesystem::path(file.path()).replace_filename(name);
-  auto servo = servo_model::load_servo_file(path.lexically_normal());
+  auto servo = servo_of(file, element);
   if (!servo) {
     auto failed = file.error(element, "<servo>: " + servo.error().message);
     failed.value().details = servo.error().details;

@@ -53,8 +53,9 @@ struct MotorParams {
 // Makes the numbers of `motor` those of an identified servo. Heat, supply and name stay.
 void use_servo(MotorParams& motor, servo_model::IdentifiedServo servo);
 
-// Loads the motor `name`, or the file's default motor if `name` is empty. <servo file="..."/> names the file
-// of an identified servo, relative to the folder of the motor file. An error message names file and line.
+// Loads the motor `name`, or the file's default motor if `name` is empty. <servo name="..."/> names a shipped
+// identified servo, and <servo file="..."/> a servo file, relative to the folder of the motor file. An error
+// message names file and line.
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name);
 
 // Returns the text of a motor file that contains only this motor, as the default motor. `about` is a

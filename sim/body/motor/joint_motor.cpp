@@ -94,7 +94,7 @@ void JointMotor::break_loose() {
   state_.stopped = false;
 }
 
-// The friction of the identified servo is at least that of the robot's joint.
+// The row of an identified servo. Its friction is added to that of the robot's joint.
 JointMotor::Row JointMotor::servo_row(double velocity) {
   const double per_speed = params_->rotor_inertia_kgm2 / step_s_;
   const double motor =
@@ -106,7 +106,8 @@ JointMotor::Row JointMotor::servo_row(double velocity) {
   tight_ = true;
   state_.rotor_speed = velocity;
   free_speed_ = (drive_torque_ + per_speed * velocity) / stiffness_;
-  return {free_speed_, 1.0 / stiffness_, max_, -max_, jammed_ ? kMaxTorque : std::min(friction, max_)};
+  return {free_speed_, 1.0 / stiffness_, max_, -max_,
+          jammed_ ? kMaxTorque : std::min(friction, max_)};
 }
 
 JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts, double angle,
