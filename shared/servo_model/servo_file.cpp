@@ -33,11 +33,10 @@ struct TextKey {
   const char* name;
   std::string IdentifiedServo::*at;
 };
-constexpr std::array kTextKeys{TextKey{"servo", &IdentifiedServo::servo},
-                               TextKey{"source", &IdentifiedServo::source},
-                               TextKey{"license", &IdentifiedServo::license},
-                               TextKey{"date", &IdentifiedServo::date},
-                               TextKey{"logs", &IdentifiedServo::logs}};
+constexpr std::array kTextKeys{
+    TextKey{"servo", &IdentifiedServo::servo}, TextKey{"source", &IdentifiedServo::source},
+    TextKey{"license", &IdentifiedServo::license}, TextKey{"date", &IdentifiedServo::date},
+    TextKey{"logs", &IdentifiedServo::logs}};
 
 std::string in_words(double value) {
   char text[40];
@@ -61,8 +60,9 @@ class ServoFileParser {
     if (!parsed) return fail(Fault::usage, path_ + ": " + parsed.error().message);
     if (!parsed->is_object()) return fail(Fault::usage, path_ + ": must be a JSON object");
     IdentifiedServo servo;
-    known("", *parsed, {"servo", "volts", "model", "params", "source", "license", "date", "logs",
-                        "held_out_rad", "floor_rad"});
+    known("", *parsed,
+          {"servo", "volts", "model", "params", "source", "license", "date", "logs", "held_out_rad",
+           "floor_rad"});
     for (const TextKey& key : kTextKeys) servo.*key.at = text_of(*parsed, key.name);
     if (!servo.date.empty() && !is_date(servo.date))
       add("\"date\" is \"" + cut_text(servo.date) + "\": must be YYYY-MM-DD");
@@ -105,8 +105,7 @@ class ServoFileParser {
                 double high) {
     const auto found = in.find(key);
     const std::string name = where + "\"" + key + "\"";
-    const double value =
-        found != in.end() && found->is_number() ? found->get<double>() : kUnknown;
+    const double value = found != in.end() && found->is_number() ? found->get<double>() : kUnknown;
     if (value >= low && value <= high) return value;
     add(name + (std::isnan(value) ? " is missing or not a number"
                                   : " is " + in_words(value) + ": must be " + in_words(low) +
@@ -162,8 +161,8 @@ Result<IdentifiedServo> parse_servo_file(const std::string& path, const std::str
 }
 
 Result<IdentifiedServo> load_servo_file(const std::string& path) {
-  const auto text = KAZ_TRY(read_whole_file(
-      path, kMostBytes, "give the servo.json of kaz bench servo"));
+  const auto text =
+      KAZ_TRY(read_whole_file(path, kMostBytes, "give the servo.json of kaz bench servo"));
   return parse_servo_file(path, text);
 }
 
@@ -199,8 +198,8 @@ std::vector<ServoDifference> differences(const IdentifiedServo& shipped,
   std::vector<ServoDifference> all;
   const auto add = [&](const ServoParamInfo& info) {
     const IdentifiedParam *a = param_named(shipped, info.name), *b = param_named(own, info.name);
-    ServoDifference one{std::string(info.name), std::string(info.unit), kUnknown, kUnknown,
-                        kUnknown, kUnknown};
+    ServoDifference one{
+        std::string(info.name), std::string(info.unit), kUnknown, kUnknown, kUnknown, kUnknown};
     if (a != nullptr) {
       one.shipped = a->value;
       one.shipped_within = a->within;

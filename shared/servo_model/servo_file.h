@@ -24,9 +24,10 @@ struct IdentifiedServo {
   std::string servo;  // model as in bus.json, such as "sts3215"
   double volts = 0;   // mean supply voltage of the logs
   int model = 1;      // friction model, 1 to 6
-  std::vector<IdentifiedParam> identified;  // each parameter of the model, in the order of servo_params()
-  std::string source, license, date;        // the date is YYYY-MM-DD
-  std::string logs;                         // the logs that were used
+  // Each parameter of the model, in the order of servo_params().
+  std::vector<IdentifiedParam> identified;
+  std::string source, license, date;  // the date is YYYY-MM-DD
+  std::string logs;                   // the logs that were used
   // Mean position errors, rad: of the model on held-out logs, and of repeated logs (repeatability). NaN:
   // unknown.
   double held_out_rad = std::numeric_limits<double>::quiet_NaN();
@@ -51,12 +52,14 @@ std::string servo_file_text(const IdentifiedServo& servo);
 // Difference of one parameter between two servos.
 struct ServoDifference {
   std::string name, unit;
-  double shipped = 0, shipped_within = 0, own = 0, own_within = 0;  // NaN: the model lacks the parameter
+  // NaN: the model lacks the parameter.
+  double shipped = 0, shipped_within = 0, own = 0, own_within = 0;
   // True if the two intervals do not overlap. False if one of them is infinite or one value is missing.
   bool differs = false;
 };
 
 // Compares the parameters of two servos, which may have different friction models.
-std::vector<ServoDifference> differences(const IdentifiedServo& shipped, const IdentifiedServo& own);
+std::vector<ServoDifference> differences(const IdentifiedServo& shipped,
+                                         const IdentifiedServo& own);
 
 }  // namespace kaz::servo_model

@@ -78,8 +78,7 @@ TEST(ServoFile, RejectsWhatIsNotAServo) {
            {changed("\"model\": 1", "\"model\": 7"), "a.json: \"model\" is 7: must be 1 to 6"},
            {changed("2026-12-01", "today"), "a.json: \"date\" is \"today\": must be YYYY-MM-DD"},
            {changed("\"us\"", "\"\""), "a.json: \"source\" is missing, empty or not a text"},
-           {changed("\"params\"", "\"parts\""),
-            "a.json: unknown key \"parts\"; remove it"}}) {
+           {changed("\"params\"", "\"parts\""), "a.json: unknown key \"parts\"; remove it"}}) {
     const auto read = parse_servo_file("a.json", text);
     ASSERT_FALSE(read) << error;
     EXPECT_EQ(read.error().message, error);

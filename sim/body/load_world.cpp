@@ -213,9 +213,10 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   KAZ_TRY(check_followers(robot));
   KAZ_TRY(check_passive_joints(world));
   if (motor.servo)
-    return fail(Fault::usage,
-                "the motor `" + motor.name +
-                    "` has a <servo>, which only --dynamics reduced supports; leave out --dynamics");
+    return fail(
+        Fault::usage,
+        "the motor `" + motor.name +
+            "` has a <servo>, which only --dynamics reduced supports; leave out --dynamics");
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
 

@@ -80,8 +80,8 @@ std::string differences_text(const std::string& name, const std::vector<ServoDif
                 name.substr(0, 22).c_str(), "this servo");
   std::string text = line;
   for (const ServoDifference& one : all) {
-    std::snprintf(line, sizeof line, "%-18s%-10s%-24s%-24s%s\n", one.name.c_str(),
-                  one.unit.c_str(), with_tolerance(one.shipped, one.shipped_within).c_str(),
+    std::snprintf(line, sizeof line, "%-18s%-10s%-24s%-24s%s\n", one.name.c_str(), one.unit.c_str(),
+                  with_tolerance(one.shipped, one.shipped_within).c_str(),
                   with_tolerance(one.own, one.own_within).c_str(), verdict_on(one).c_str());
     text += line;
   }

@@ -162,8 +162,7 @@ Result<std::vector<ReplayedLog>> replay_logs(const servo_model::IdentifiedServo&
   std::vector<ReplayedLog> all;
   for (const hil::ServoLog& log : logs) {
     const auto replayed = replay_log(servo, log, fit.zero_of(log));
-    if (!replayed)
-      return fail(replayed.error().fault, log.name + ": " + replayed.error().message);
+    if (!replayed) return fail(replayed.error().fault, log.name + ": " + replayed.error().message);
     const hil::Prediction made = fit.predict(log);
     ReplayedLog one{log.name};
     for (std::size_t i = 0; i < log.samples.size(); ++i) {

@@ -25,7 +25,8 @@ using hil::ServoLog;
 constexpr std::size_t kMostPlots = 40;
 
 const OutputKind& servo_output() {
-  static const OutputKind kind{"bench servo", {"report.html", "result.json", "servo.json", "held-out-*.svg"}};
+  static const OutputKind kind{"bench servo",
+                               {"report.html", "result.json", "servo.json", "held-out-*.svg"}};
   return kind;
 }
 

@@ -27,7 +27,8 @@ using hil::ServoLog;
 using Json = nlohmann::ordered_json;
 
 const OutputKind& servo_score_output() {
-  static const OutputKind kind{"bench servo-score", {"scores.csv", "tables.md", "replay.csv", "result.json"}};
+  static const OutputKind kind{"bench servo-score",
+                               {"scores.csv", "tables.md", "replay.csv", "result.json"}};
   return kind;
 }
 

@@ -165,9 +165,10 @@ void add_servo(CLI::App& bench_verb, Action& action) {
                    "to M4 (default: 6)")
       ->check(between(1, 6))
       ->type_name("N");
-  verb->add_option("--servo", arguments->servo,
-                   "model of the servo as in bus.json, such as sts3215, for servo.json. A motor.xml "
-                   "can name servo.json")
+  verb->add_option(
+          "--servo", arguments->servo,
+          "model of the servo as in bus.json, such as sts3215, for servo.json. A motor.xml "
+          "can name servo.json")
       ->type_name("MODEL");
   verb->add_option("--compare", arguments->compare,
                    "compare the parameters with a shipped servo (sts3215-12v, xl330-7v4) or with "

@@ -85,7 +85,8 @@ TEST(PendulumRecorder, ItsLogsAreFittedAndOthersPredicted) {
   EXPECT_GT(fit.params.resistance, 3);
   EXPECT_LT(fit.params.resistance, 1.2 * 3) << "a warm winding";
   EXPECT_NEAR(fit.params.armature, servo.armature, 0.05 * servo.armature);
-  EXPECT_LT(fit.params.delay, 0.002) << "the recorded goal is the servo's setpoint, after the delay";
+  EXPECT_LT(fit.params.delay, 0.002)
+      << "the recorded goal is the servo's setpoint, after the delay";
   // Another weight than stated is another servo: the fit is worse, or the motor another one.
   for (auto* logs : {&fitted, &held_out})
     for (auto& log : *logs) log.mass_kg *= 2;
