@@ -94,7 +94,7 @@ double friction_limit(int model, const ServoParams& p, double speed, double moto
   return limit + slow * std::exp(-share);
 }
 
-double ServoDrive::advance(const ServoCommand& command, double angle_rad, double speed, double dt) {
+double ServoLaw::advance(const ServoCommand& command, double angle_rad, double dt) {
   const ServoParams& p = *params_;
   if (!command.torque_on) {
     setpoint_ = angle_rad;
@@ -107,8 +107,8 @@ double ServoDrive::advance(const ServoCommand& command, double angle_rad, double
   // The setpoint moves at the speed `slew` and then rests: this is its mean.
   const double error = setpoint_ - change * std::abs(change) / (2 * most) - angle_rad;
   const double bias = p.error_bias * std::clamp(error / kBiasRamp, -1.0, 1.0);
-  const double target = std::clamp(command.gain_per_rad * (p.gain_ratio * error + bias),
-                                   -command.most_duty, command.most_duty);
+  const double wanted = command.gain_per_rad * (p.gain_ratio * error + bias) + command.more_duty;
+  const double target = std::clamp(wanted, -command.most_duty, command.most_duty);
   if (dt != dt_) {
     dt_ = dt;
     left_ = p.lag > 0 ? std::exp(-dt / p.lag) : 0;
@@ -116,9 +116,14 @@ double ServoDrive::advance(const ServoCommand& command, double angle_rad, double
   }
   const double off = duty_ - target;
   duty_ = target + off * left_;
-  const double current =
-      (command.volts * (target + off * mean_left_) - p.kt * speed) / p.resistance;
-  return std::clamp(current, -p.most_current, p.most_current);
+  return target + off * mean_left_;
+}
+
+double ServoDrive::advance(const ServoCommand& command, double angle_rad, double speed, double dt) {
+  const double duty = law_.advance(command, angle_rad, dt);
+  if (!command.torque_on) return 0;
+  const double current = (command.volts * duty - params_->kt * speed) / params_->resistance;
+  return std::clamp(current, -params_->most_current, params_->most_current);
 }
 
 double speed_after(double speed, double torque_nm, double friction_nm, double inertia, double dt) {

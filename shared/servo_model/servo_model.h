@@ -82,17 +82,19 @@ struct ServoCommand {
   double goal_rad = 0, volts = 0;
   double gain_per_rad = 0, most_duty = 1;
   bool torque_on = true;
+  double more_duty = 0;  // added to the duty before its limit, such as the part of an I gain
 };
 
-// Control law and motor: state of one servo. The angle is the servo's own reading, with the servo's zero.
-class ServoDrive {
+// Control law: setpoint and duty of one servo. The angle is the servo's own reading, with the servo's zero.
+class ServoLaw {
  public:
-  ServoDrive(const ServoParams& params, double setpoint_rad)
+  ServoLaw(const ServoParams& params, double setpoint_rad)
       : params_(&params), setpoint_(setpoint_rad) {}
 
-  // Advances setpoint and duty by `dt` seconds (above 0) and returns the mean motor current, A. `angle_rad`
-  // and `speed` are those in the middle of the step; with those of its beginning, the result is less exact.
-  double advance(const ServoCommand& command, double angle_rad, double speed, double dt);
+  // Advances setpoint and duty by `dt` seconds (above 0) and returns the mean duty of the step. Without
+  // torque, the setpoint becomes `angle_rad`, and the duty 0. `angle_rad` is the angle in the middle of the
+  // step; with the angle of its beginning, the result is less exact.
+  double advance(const ServoCommand& command, double angle_rad, double dt);
   double setpoint_rad() const { return setpoint_; }
 
  private:
@@ -100,6 +102,22 @@ class ServoDrive {
   double setpoint_, duty_ = 0;
   // Share of the duty's distance from its target that is left after a step of `dt_`, and on average in it.
   double dt_ = 0, left_ = 0, mean_left_ = 0;
+};
+
+// Control law and motor of one servo.
+class ServoDrive {
+ public:
+  ServoDrive(const ServoParams& params, double setpoint_rad)
+      : params_(&params), law_(params, setpoint_rad) {}
+
+  // Advances the control law (ServoLaw::advance) and returns the mean motor current, A. `speed` is the speed
+  // in the middle of the step, rad/s.
+  double advance(const ServoCommand& command, double angle_rad, double speed, double dt);
+  double setpoint_rad() const { return law_.setpoint_rad(); }
+
+ private:
+  const ServoParams* params_;
+  ServoLaw law_;
 };
 
 // Returns the speed after `dt` seconds. Friction takes at most `friction_nm`, and no more than stops the

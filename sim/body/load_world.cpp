@@ -225,6 +225,11 @@ Result<std::unique_ptr<StagedWorld>> make_world(const WorldModel& world, const R
   if (*iterations == kReduced) return std::make_unique<ReducedWorld>(world, robot, motor, options);
   KAZ_TRY(check_followers(robot));
   KAZ_TRY(check_passive_joints(world));
+  if (motor.servo)
+    return fail(
+        Fault::usage,
+        "the motor `" + motor.name +
+            "` has a <servo>, which only --dynamics reduced supports; leave out --dynamics");
   return std::make_unique<OdeWorld>(world, robot, motor, options, *iterations);
 }
 

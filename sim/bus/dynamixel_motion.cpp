@@ -48,8 +48,13 @@ void DynamixelMotion::wrap(const RegisterFile& registers) {
   origin_ = std::floor(raw(registers) / kSteps) * kSteps;
 }
 
+void DynamixelMotion::hold_law(const RegisterFile& registers) {
+  if (law_) law_->hold(place(registers) / registers.model().steps_per_rad());
+}
+
 void DynamixelMotion::hold(RegisterFile& registers) {
   trajectory_.hold(place(registers));
+  hold_law(registers);
   registers.set("goal_position", place(registers));
   profile_speed_ = profile_rate_ = 0;
   shape_ = step_shape;
@@ -57,7 +62,10 @@ void DynamixelMotion::hold(RegisterFile& registers) {
 }
 
 void DynamixelMotion::power_on(RegisterFile& registers, const ServoReading& reading) {
+  auto law = std::move(law_);
   *this = {};
+  law_ = std::move(law);
+  if (law_) law_->power_on();
   reading_ = reading;
   wrap(registers);
   registers.set("goal_pwm", registers.get("pwm_limit"));
@@ -118,8 +126,22 @@ void DynamixelMotion::goal_written(const RegisterFile& registers) {
                                                                         : trapezoid;
 }
 
-double DynamixelMotion::position_loop(const RegisterFile& registers, double step_s) {
-  const double goal = registers.get("goal_position");
+// All but the P gain is as in position_loop(); the P gain is that of the identified law.
+double DynamixelMotion::law_loop(const RegisterFile& registers, double goal, double step_s) {
+  const double per_rad = registers.model().steps_per_rad();
+  const double p =
+      static_cast<double>(registers.get("position_p_gain")) / registers.model().position_p_unit;
+  const double more =
+      position_loop(registers, goal, step_s) - p * (trajectory_.position - place(registers));
+  const double halfway = place(registers) + 0.5 * step_s * sign(registers) * reading_.speed;
+  return kFullPwm * law_->duty({.goal_rad = trajectory_.position / per_rad,
+                                .gain_per_rad = p * per_rad / kFullPwm,
+                                .most_duty = std::abs(registers.get("goal_pwm")) / kFullPwm,
+                                .more_duty = more / kFullPwm},
+                               halfway / per_rad, step_s);
+}
+
+double DynamixelMotion::position_loop(const RegisterFile& registers, double goal, double step_s) {
   if (profile_speed_ == 0) {
     trajectory_.hold(goal);
   } else {
@@ -148,10 +170,14 @@ MotorDrive DynamixelMotion::step(RegisterFile& registers, const ServoReading& re
                                  double step_s, bool stopped) {
   reading_ = reading;
   const int mode = registers.get("operating_mode");
-  if (registers.get("torque_enable") == 0) {
-    powered_ = false;
+  BusCommand command{registers.get("torque_enable"),
+                     static_cast<double>(registers.get("goal_position")), true};
+  if (law_) command = law_->delayed(command, step_s);
+  if (command.torque == 0) {
+    powered_ = powered_ && registers.get("torque_enable") != 0;  // false before a late switch-on
     pwm_ = duty_ = 0;
     trajectory_.hold(place(registers));
+    hold_law(registers);
     report(registers);
     return {.duty = 0, .powered = false};
   }
@@ -170,6 +196,7 @@ MotorDrive DynamixelMotion::step(RegisterFile& registers, const ServoReading& re
     return pwm_ + kFullPwm * kDutyPerAmpere * (wanted - amperes) * step_s / kMs;
   };
   const double before = pwm_;
+  if (mode != position && mode != turns) hold_law(registers);
   switch (mode) {
     case current:
       pwm_ = stopped ? 0 : current_loop(most_current);
@@ -179,7 +206,7 @@ MotorDrive DynamixelMotion::step(RegisterFile& registers, const ServoReading& re
       break;
     case current_position: {
       const double all = registers.get("current_limit") * registers.model().current_unit_a;
-      const double wanted = position_loop(registers, step_s) / kFullPwm * all;
+      const double wanted = position_loop(registers, command.goal, step_s) / kFullPwm * all;
       pwm_ = current_loop(limited(wanted, std::abs(most_current)));
       break;
     }
@@ -188,7 +215,8 @@ MotorDrive DynamixelMotion::step(RegisterFile& registers, const ServoReading& re
       pwm_ = stopped ? 0 : registers.get("goal_pwm");
       break;
     default:
-      pwm_ = position_loop(registers, step_s);
+      pwm_ = law_ ? law_loop(registers, command.goal, step_s)
+                  : position_loop(registers, command.goal, step_s);
   }
   const double most = std::min<double>(std::abs(registers.get("goal_pwm")), kFullPwm);
   pwm_ = limited(pwm_, most);

@@ -8,11 +8,18 @@
 // The maker documents modes, limits, units, the profile, the control laws and the divisors of the gains.
 // Rhoban (a robotics team) measured the divisor of the XL330's P gain.
 //
+// An identified servo has its own law in modes 3 and 4: command delay, slew limit, duty and lag
+// (identified_law.h). The profile acts on top of it.
+//
 // We chose the control period of 1 ms, the current loop, the current scale of mode 5, and the thresholds of
 // moving_status. The D, I and feedforward gains count time in control periods, so their unit of time is 1 ms.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "sim/body/motor/motor_drive.h"
+#include "sim/bus/identified_law.h"
 #include "sim/bus/register_file.h"
 #include "sim/bus/servo_reading.h"
 #include "sim/bus/trajectory.h"
@@ -36,6 +43,8 @@ class DynamixelMotion {
   // Sets the number of counted turns to 0. If the register `moving` is set, does nothing and returns false.
   bool clear_turns(RegisterFile& registers);
 
+  void use_law(IdentifiedLaw::Params params) { law_.emplace(std::move(params)); }
+
   double duty() const { return duty_; }  // positive in the servo's direction
 
  private:
@@ -45,8 +54,10 @@ class DynamixelMotion {
   double raw(const RegisterFile& registers) const;
   int place(const RegisterFile& registers) const;
   void wrap(const RegisterFile& registers);
+  void hold_law(const RegisterFile& registers);
   void hold(RegisterFile& registers);
-  double position_loop(const RegisterFile& registers, double step_s);
+  double position_loop(const RegisterFile& registers, double goal, double step_s);
+  double law_loop(const RegisterFile& registers, double goal, double step_s);
   double velocity_loop(const RegisterFile& registers, double step_s);
   void report(RegisterFile& registers) const;
 
@@ -60,6 +71,7 @@ class DynamixelMotion {
   double integral_ = 0;  // integral term, in units of PWM
   double pwm_ = 0, duty_ = 0;
   bool powered_ = false;
+  std::optional<IdentifiedLaw> law_;
 };
 
 }  // namespace kaz::sim

@@ -59,7 +59,10 @@ int FeetechMotion::position(const RegisterFile& registers) const {
 }
 
 void FeetechMotion::power_on(const ServoReading& reading) {
+  auto law = std::move(law_);
   *this = {};
+  law_ = std::move(law);
+  if (law_) law_->power_on();
   steps_ = reading.steps;
 }
 
@@ -86,7 +89,7 @@ void FeetechMotion::set_position(RegisterFile& registers, int position) {
   if (offset < -(steps / 2 - 1)) offset += steps;
   registers.set("position_offset", std::clamp(offset, 1 - steps / 2, steps / 2 - 1));
   registers.keep("position_offset");
-  hold(this->position(registers));
+  hold(registers, this->position(registers));
 }
 
 double FeetechMotion::goal(const RegisterFile& registers) const {
@@ -96,8 +99,11 @@ double FeetechMotion::goal(const RegisterFile& registers) const {
   return std::clamp<double>(wanted, std::min(low, high), std::max(low, high));
 }
 
-void FeetechMotion::hold(double position) {
+void FeetechMotion::hold(const RegisterFile& registers, double position) {
   trajectory_.hold(position);
+  if (law_) law_->hold(position / registers.model().steps_per_rad());
+  target_ = position;
+  moving_ = false;
   integral_ = 0;
   errors_.fill(0);
 }
@@ -112,21 +118,44 @@ void FeetechMotion::follow_profile(const RegisterFile& registers, double goal, d
   }
   if (timed_speed_ > 0) speed = timed_speed_;
   speed = std::min(speed, highest);
-  int acceleration = registers.get("acceleration");
-  if (acceleration == 0) acceleration = registers.get("max_acceleration");
-  trajectory_.go_to(goal, speed, 100.0 * acceleration, step_s);
+  const int acceleration = registers.get("acceleration");
+  const int highest_rate = registers.get("max_acceleration");
+  const int rate = highest_rate > 0 ? std::min(acceleration, highest_rate) : acceleration;
+  // An identified servo has its own limit of the speed.
+  if (law_ && acceleration == 0 && speed == highest)
+    trajectory_.hold(goal);
+  else
+    trajectory_.go_to(goal, speed, 100.0 * rate, step_s);
+  target_ = trajectory_.position;
+  moving_ = trajectory_.speed != 0;
 }
 
-double FeetechMotion::position_loop(const RegisterFile& registers, double position, double step_s) {
-  double error = trajectory_.position - position;
+double FeetechMotion::position_loop(const RegisterFile& registers, const ServoReading& reading,
+                                    double position, double most, double step_s) {
+  const double per_rad = registers.model().steps_per_rad();
+  if (law_) target_ = law_->setpoint_rad() * per_rad;
+  double error = target_ - position;
   if (error <= registers.get("dead_zone_ccw") && error >= -registers.get("dead_zone_cw")) error = 0;
-  const double rad = error / registers.model().steps_per_rad();
+  const double rad = error / per_rad;
   ++newest_;
   errors_[newest_] = rad;
   const auto interval = static_cast<std::uint8_t>(registers.get("derivative_time", 20));
   const double change = rad - errors_[static_cast<std::uint8_t>(newest_ - interval)];
   const double i = kDutyPerRadSecond * registers.get("position_i");
   integral_ = i > 0 ? std::clamp(integral_ + rad * step_s, -1 / i, 1 / i) : 0;
+  if (law_) {
+    const double d = error == 0 ? 0 : kDutyPerRad * registers.get("position_d") * change;
+    const double before = law_->setpoint_rad();
+    const double halfway = (position + 0.5 * step_s * reading.speed) / per_rad;
+    const double duty = law_->duty({.goal_rad = trajectory_.position / per_rad,
+                                    .gain_per_rad = kLoggedDutyPerRad * registers.get("position_p"),
+                                    .most_duty = most,
+                                    .more_duty = d + i * integral_},
+                                   error == 0 ? before : halfway, step_s);
+    target_ = law_->setpoint_rad() * per_rad;
+    moving_ = law_->setpoint_rad() != before;
+    return duty;
+  }
   const double duty =
       kDutyPerRad * (registers.get("position_p") * rad + registers.get("position_d") * change) +
       i * integral_;
@@ -147,46 +176,51 @@ MotorDrive FeetechMotion::step(RegisterFile& registers, const ServoReading& read
                                double step_s) {
   steps_ = reading.steps;
   const Mode mode = mode_of(registers);
-  const int torque = registers.get("torque_enable");
+  const bool torque_written = registers.get("torque_enable") == 1;
+  if (!torque_written && torque_written_) goal_known_ = false;
+  torque_written_ = torque_written;
+  BusCommand command{registers.get("torque_enable"), goal(registers), goal_known_};
+  if (law_) command = law_->delayed(command, step_s);
   const int now = position(registers);
   // Mode 3 counts on over the turn's end.
   const double place = mode == Mode::steps ? std::round(steps_) : now;
   duty_ = 0;
-  if (torque != 1) {
-    hold(place);
-    if (powered_) goal_known_ = false;
+  if (command.torque != 1) {
+    hold(registers, place);
     powered_ = false;
     report(registers, reading, now);
-    return {.duty = 0, .powered = torque == 2};
+    return {.duty = 0, .powered = command.torque == 2};
   }
+  const double most = std::min(
+      {kMaxDuty, limit, 1e-3 * registers.get("torque_limit", registers.get("max_torque"))});
   if (!powered_) {
-    hold(place);
+    hold(registers, place);
     if (!goal_known_) steps_goal_ = place;
   }
   powered_ = true;
   switch (mode) {
     case Mode::position:
-      if (goal_known_) follow_profile(registers, goal(registers), step_s);
-      duty_ = position_loop(registers, place, step_s);
+      if (command.has_goal) follow_profile(registers, command.goal, step_s);
+      duty_ = position_loop(registers, reading, place, most, step_s);
       break;
     case Mode::steps:
       follow_profile(registers, steps_goal_, step_s);
-      duty_ = position_loop(registers, place, step_s);
+      duty_ = position_loop(registers, reading, place, most, step_s);
       break;
     case Mode::speed:
-      trajectory_.position = place;
+      trajectory_.position = target_ = place;
+      if (law_) law_->hold(place / registers.model().steps_per_rad());
       duty_ = speed_loop(registers, reading.speed, step_s);
+      moving_ = trajectory_.speed != 0;
       break;
     case Mode::duty: {
-      hold(place);
+      hold(registers, place);
       const int raw = registers.get("goal_time");
       const bool negative = !registers.has("mode") && (raw & kDutySign) != 0;
       duty_ = 1e-3 * (negative ? -(raw & (kDutySign - 1)) : raw);
       break;
     }
   }
-  const double most = std::min(
-      {kMaxDuty, limit, 1e-3 * registers.get("torque_limit", registers.get("max_torque"))});
   duty_ = std::clamp(duty_, -most, most);
   report(registers, reading, now);
   return {.duty = duty_, .powered = true};
@@ -198,9 +232,9 @@ void FeetechMotion::report(RegisterFile& registers, const ServoReading& reading,
   registers.set("present_speed",
                 static_cast<int>(std::lround(reading.speed / speed_unit(registers))));
   registers.set("present_load", static_cast<int>(std::lround(1e3 * duty_)));
-  registers.set("present_target", static_cast<int>(std::lround(trajectory_.position)));
+  registers.set("present_target", static_cast<int>(std::lround(target_)));
   const double threshold = registers.get("moving_threshold", 1) * registers.get("speed_unit", 20);
-  registers.set("moving", trajectory_.speed != 0 || std::abs(reading.speed) > threshold ? 1 : 0);
+  registers.set("moving", moving_ || std::abs(reading.speed) > threshold ? 1 : 0);
 }
 
 }  // namespace kaz::sim

@@ -8,6 +8,9 @@
 // the duty of an STS3215. The duty is the product of 0.166, the P gain, and the position error in rad. The
 // magnitude of the duty is limited to 0.97. docs/reference/servo-bus.md names the sources.
 //
+// An identified servo has its own law in modes 0 and 3: command delay, slew limit, duty and lag
+// (identified_law.h). A profile in the registers acts on top of it.
+//
 // We chose the scales of the D gain, the I gain and the speed loop, and the shape of the profile near the
 // goal. We also chose the behavior after the torque is switched on: the servo holds the present position
 // until a goal is written.
@@ -15,9 +18,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "sim/body/motor/motor_drive.h"
+#include "sim/bus/identified_law.h"
 #include "sim/bus/register_file.h"
 #include "sim/bus/servo_reading.h"
 #include "sim/bus/trajectory.h"
@@ -26,6 +32,9 @@ namespace kaz::sim {
 
 class FeetechMotion {
  public:
+  // Duty per rad and unit of P of an identified STS3215, measured by an oscilloscope (kscalelabs/sysid).
+  static constexpr double kLoggedDutyPerRad = 0.1649;
+
   // Advances by one step, nominally 1 ms, and updates the registers that describe the motion. `limit` is the
   // maximum duty that the protection allows, 0..1.
   MotorDrive step(RegisterFile& registers, const ServoReading& reading, double limit,
@@ -42,6 +51,8 @@ class FeetechMotion {
   // Sets the number of turns counted since power-on to 0.
   void reset_turns(const servo_bus::Model& model);
 
+  void use_law(IdentifiedLaw::Params params) { law_.emplace(std::move(params)); }
+
   double duty() const { return duty_; }
 
  private:
@@ -51,15 +62,18 @@ class FeetechMotion {
   static double speed_unit(const RegisterFile& registers);
   int position(const RegisterFile& registers) const;
   double goal(const RegisterFile& registers) const;
-  void hold(double position);
+  void hold(const RegisterFile& registers, double position);
   void follow_profile(const RegisterFile& registers, double goal, double step_s);
-  double position_loop(const RegisterFile& registers, double position, double step_s);
+  double position_loop(const RegisterFile& registers, const ServoReading& reading, double position,
+                       double most, double step_s);
   double speed_loop(const RegisterFile& registers, double speed, double step_s);
   void report(RegisterFile& registers, const ServoReading& reading, int position) const;
 
   double steps_ = 0;         // last reading of the position sensor
   double turns_origin_ = 0;  // sensor position from which multi-turn positions count
   Trajectory trajectory_;
+  double target_ = 0;       // setpoint of the control loop
+  bool moving_ = false;     // the setpoint moves
   double steps_goal_ = 0;   // goal of mode 3
   double timed_speed_ = 0;  // speed computed from goal_time; 0: goal_time is not used
   double integral_ = 0;
@@ -67,6 +81,8 @@ class FeetechMotion {
   std::uint8_t newest_ = 0;
   double duty_ = 0;
   bool powered_ = false;
+  bool torque_written_ = false;  // the register torque_enable was 1 in the last step
+  std::optional<IdentifiedLaw> law_;
   bool goal_known_ = false;  // true if a goal was written since the torque was last switched off
 };
 

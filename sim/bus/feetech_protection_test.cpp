@@ -93,13 +93,13 @@ TEST(Overload, FreeRunningAtFullSpeedIsNone) {
 
 TEST(Overcurrent, SwitchesTheOutputOff) {
   ServoBench bench;
-  bench.set("protection_current", 100);  // 0.65 A; stalled at 7.2 V it takes 1.64
+  bench.set("protection_current", 100);  // 0.65 A; stalled at 7.2 V it takes 2.4
   bench.set("overcurrent_time", 50);     // 0.5 s
   bench.set("torque_enable", 1);
   bench.clamped = true;
   bench.set("goal_position", 4000);
   bench.run(0.3);
-  EXPECT_NEAR(bench.get("present_current"), 250, 12);
+  EXPECT_NEAR(bench.get("present_current"), 366, 18);
   bench.run(0.7);
   EXPECT_EQ(bench.get("status"), feetech::kCurrentError);
   EXPECT_EQ(bench.get("present_load"), 0);

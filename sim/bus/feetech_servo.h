@@ -29,6 +29,7 @@ class FeetechServo final : public VirtualServo {
   FeetechServo(const servo_bus::Model& model, int id) : VirtualServo(model, id) {}
 
   std::optional<Answer> take(std::uint8_t byte, Time now) override;
+  void use_law(IdentifiedLaw::Params params) override { motion_.use_law(std::move(params)); }
   const PacketCounts& counts() const override { return reader_.counts(); }
 
   // Maximum gap between two bytes of a packet. A longer gap ends the packet (protocol 1.0).

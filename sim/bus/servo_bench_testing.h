@@ -47,11 +47,21 @@ struct ServoBench {
       const auto row = motor.prepare(servo->step(reading(), kStep, time), volts, angle, speed);
       const double yields = clamped ? 0 : kStep / inertia;
       const double free = clamped ? 0 : speed + yields * load_nm;
-      const double torque =
-          std::clamp((row.velocity - free) / (row.softness + yields), row.min, row.max);
+      const auto with_friction = [&](double friction) {
+        const double start = free - yields * friction;
+        return std::clamp((row.velocity - start) / (row.softness + yields), row.min, row.max);
+      };
+      // Friction opposes the motion that there would be without it, and does not reverse it.
+      const double ahead = free + yields * with_friction(0);
+      const double friction = std::copysign(row.friction, ahead);
+      double torque = with_friction(friction) - friction;
       speed = free + yields * torque;
+      if (row.friction > 0 && speed * ahead <= 0) {
+        speed = 0;
+        torque = yields > 0 ? -free / yields : std::clamp(with_friction(0), row.min, row.max);
+      }
       angle += kStep * speed;
-      motor.finish(speed, torque);
+      motor.finish(speed, torque, clamped ? -torque : load_nm);
       fastest = std::max(fastest, std::abs(speed));
       highest = std::max(highest, get("present_position"));
     }

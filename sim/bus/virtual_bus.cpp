@@ -10,6 +10,7 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
                                                        const servo_bus::BusFile& file) {
   std::vector<Mounted> servos;
   const auto joints = world->joint_order();
+  const servo_model::IdentifiedServo* identified = world->servo();
   for (const servo_bus::BusServo& mount : file.servos) {
     const auto joint = std::ranges::find(joints, mount.joint);
     if (joint == joints.end())
@@ -19,6 +20,8 @@ Result<std::unique_ptr<VirtualBus>> VirtualBus::create(std::unique_ptr<World> wo
     const auto code = std::ranges::find(mount.model->bauds, file.baud);
     if (code != mount.model->bauds.end())
       servo->set_up("baud_rate", static_cast<int>(code - mount.model->bauds.begin()));
+    if (identified != nullptr && identified->servo == mount.model->name)
+      servo->use_law(std::make_shared<const servo_model::ServoParams>(identified->params()));
     for (const servo_bus::BusSetting& one : file.settings) servo->set_up(one.name, one.value);
     servo->answer_broadcast_ping_in_turn(file.broadcast_ping_in_turn);
     servos.push_back({mount, std::move(servo), static_cast<std::size_t>(joint - joints.begin())});

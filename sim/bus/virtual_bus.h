@@ -25,7 +25,8 @@ namespace kaz::sim {
 
 class VirtualBus {
  public:
-  // Fails if the world lacks the joint of a servo, or if a joint of the world has no servo.
+  // Fails if the world lacks the joint of a servo, or if a joint of the world has no servo. If the motors of
+  // the world are identified servos, bus servos of the same model use their control law.
   static Result<std::unique_ptr<VirtualBus>> create(std::unique_ptr<World> world,
                                                     const servo_bus::BusFile& file);
   // Loads the world file, the robot file, and bus.json in the folder of the robot file.

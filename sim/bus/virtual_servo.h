@@ -16,6 +16,7 @@
 #include "shared/base/time.hpp"
 #include "shared/servo_bus/registers.h"
 #include "sim/body/motor/motor_drive.h"
+#include "sim/bus/identified_law.h"
 #include "sim/bus/register_file.h"
 #include "sim/bus/servo_reading.h"
 
@@ -42,6 +43,8 @@ class VirtualServo {
 
   void set_power(bool on, const ServoReading& reading);
   bool power() const { return power_; }
+  // Uses the control law of an identified servo in the position modes. The torque switch is then late, too.
+  virtual void use_law(IdentifiedLaw::Params params) = 0;
   // Advances by one step of the world. The step ends at `now`. Returns the drive of the motor for this step.
   MotorDrive step(const ServoReading& reading, double step_s, Time now);
 

@@ -114,6 +114,9 @@ std::optional<std::size_t> arguments_of(const std::string& command) {
 
 Result<std::unique_ptr<Simulation>> make_stand(const SimulationOptions& options,
                                                const StandOptions& stand) {
+  if (stand.motor.servo)
+    return fail(Fault::usage, "the motor `" + stand.motor.name +
+                                  "` has a <servo>: a motor stand needs a motor without <servo>");
   // A laboratory supply with short thick wires, where the robot has a battery and a switch.
   SimulationOptions wired = options;
   wired.supply_ohms = 0.02;

@@ -100,7 +100,7 @@ LAYERS = {
         "base": (), "board": ("base",), "dynamixel": ("base",), "faults": ("base", "board"),
         "feetech": ("base",), "flash": ("base",), "image": ("base",),
         "servo_bus": ("base", "dynamixel", "feetech"),
-        "servo_model": (), "picture": ("base",), "plot": ("base",), "protocol": ("base", "board"),
+        "servo_model": ("base",), "picture": ("base",), "plot": ("base",), "protocol": ("base", "board"),
         "servo": ("base", "board", "protocol"),
     },
     "vision": {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "host/link/interrupt.h"
 #include "shared/base/files.hpp"
@@ -12,6 +13,7 @@
 #include "tools/base/interrupt_signals.h"
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
+#include "tools/bench/servo_identity.h"
 #include "tools/bench/servo_report.h"
 
 namespace kaz::tools {
@@ -23,7 +25,8 @@ using hil::ServoLog;
 constexpr std::size_t kMostPlots = 40;
 
 const OutputKind& servo_output() {
-  static const OutputKind kind{"bench servo", {"report.html", "result.json", "held-out-*.svg"}};
+  static const OutputKind kind{"bench servo",
+                               {"report.html", "result.json", "servo.json", "held-out-*.svg"}};
   return kind;
 }
 
@@ -61,6 +64,8 @@ Result<std::vector<ServoLog>> read_servo_logs(const std::vector<std::string>& pa
 }
 
 Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
+  std::optional<servo_model::IdentifiedServo> other;
+  if (!arguments.compare.empty()) other = KAZ_TRY(named_servo(arguments.compare));
   ServoResult result;
   result.logs = KAZ_TRY(read_servo_logs(arguments.logs));
   result.held_out = KAZ_TRY(read_servo_logs(arguments.held_out));
@@ -76,7 +81,13 @@ Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
   progress.done();
   result.fits = KAZ_TRY(fitted);
   KAZ_TRY(judge_servo(result, options));
-  const auto json = servo_json(result);
+  const servo_model::IdentifiedServo own = identified_servo(result, arguments.servo);
+  auto json = servo_json(result);
+  std::vector<servo_model::ServoDifference> compared;
+  if (other) {
+    compared = servo_model::differences(*other, own);
+    json["compared"] = differences_json(arguments.compare, compared);
+  }
   std::vector<plot::PlotPage> plots;
   for (const ServoLog& log : result.held_out)
     if (plots.size() < kMostPlots) plots.push_back(servo_plot(result, log));
@@ -85,13 +96,15 @@ Result<bool> run_servo_fit(const ServoFitArguments& arguments) {
     for (std::size_t i = 0; i < plots.size(); ++i)
       KAZ_TRY(folder.write("held-out-" + std::to_string(i + 1) + ".svg", plot::plot_svg(plots[i])));
     KAZ_TRY(folder.write("report.html", servo_html(result, plots)));
+    KAZ_TRY(folder.write("servo.json", servo_model::servo_file_text(own)));
     return folder.write_json("result.json", json);
   };
   const auto written = write();
   if (arguments.json)
     print_json(json);
   else
-    std::printf("%sthe report is %s\n", servo_text(result).c_str(),
+    std::printf("%s%sthe report is %s\n", servo_text(result).c_str(),
+                other ? differences_text(arguments.compare, compared).c_str() : "",
                 folder.path("report.html").c_str());
   KAZ_TRY(written);
   return true;

@@ -15,6 +15,8 @@
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
+#include "tools/bench/servo_identity.h"
+#include "tools/bench/servo_replay.h"
 #include "tools/bench/servo_report.h"
 #include "tools/bench/servo_run.h"
 
@@ -25,7 +27,8 @@ using hil::ServoLog;
 using Json = nlohmann::ordered_json;
 
 const OutputKind& servo_score_output() {
-  static const OutputKind kind{"bench servo-score", {"scores.csv", "tables.md", "result.json"}};
+  static const OutputKind kind{"bench servo-score",
+                               {"scores.csv", "tables.md", "replay.csv", "result.json"}};
   return kind;
 }
 
@@ -75,10 +78,11 @@ Result<std::vector<Split>> splits_of(const std::string& text, const std::vector<
 struct SplitScore {
   std::string name;
   ServoResult result;
+  std::vector<ReplayedLog> replayed = {};
 };
 
 Result<SplitScore> scored(const Split& split, const std::vector<ServoLog>& logs,
-                          const hil::ServoFitOptions& options) {
+                          const hil::ServoFitOptions& options, const std::string& replay) {
   SplitScore score{split.name, {}};
   for (const ServoLog& log : logs)
     (holds_out(split, log) ? score.result.held_out : score.result.logs).push_back(log);
@@ -89,6 +93,9 @@ Result<SplitScore> scored(const Split& split, const std::vector<ServoLog>& logs,
                                   " logs: must hold out at least one log and leave one to fit");
   score.result.fits = KAZ_TRY(hil::fit_servo(score.result.logs, score.result.held_out, options));
   KAZ_TRY(judge_servo(score.result, options));
+  if (!replay.empty())
+    score.replayed = KAZ_TRY(replay_logs(identified_servo(score.result, replay),
+                                         score.result.best(), score.result.held_out));
   return score;
 }
 
@@ -127,6 +134,25 @@ Table table_of(const std::vector<SplitScore>& scores) {
                         in_mrad(fit.inner_rad), "", ""});
     add_groups(rows, {one.name, best}, one.result.score, "");
     add_groups(rows, {one.name, best}, one.result.own_zeros_score, "own zeros, ");
+  }
+  return rows;
+}
+
+Table replay_table(const std::vector<SplitScore>& scores) {
+  Table rows{{"held_out", "log", "fit_mrad", "replay_mrad", "distance_mrad"}};
+  for (const SplitScore& score : scores) {
+    ReplayedLog mean{"all logs"};
+    const auto add = [&](const ReplayedLog& one) {
+      rows.push_back({score.name, one.name, in_mrad(one.fit_rad), in_mrad(one.replay_rad),
+                      in_mrad(one.distance_rad)});
+    };
+    for (const ReplayedLog& one : score.replayed) {
+      add(one);
+      for (double ReplayedLog::*at :
+           {&ReplayedLog::fit_rad, &ReplayedLog::replay_rad, &ReplayedLog::distance_rad})
+        mean.*at += one.*at / static_cast<double>(score.replayed.size());
+    }
+    add(mean);
   }
   return rows;
 }
@@ -175,24 +201,33 @@ Result<bool> run_servo_score(const ServoScoreArguments& arguments) {
           (static_cast<double>(scores.size()) + share) / static_cast<double>(splits.size()),
           split.name + ", " + what);
     };
-    scores.push_back(KAZ_TRY(scored(split, logs, options)));
+    scores.push_back(KAZ_TRY(scored(split, logs, options, arguments.replay)));
   }
   progress.done();
   Json json;
   for (const SplitScore& one : scores) {
     json["splits"].push_back(servo_json(one.result));
     json["splits"].back()["name"] = one.name;
+    for (const ReplayedLog& log : one.replayed)
+      json["splits"].back()["replay"].push_back({{"log", log.name},
+                                                 {"fit_rad", log.fit_rad},
+                                                 {"replay_rad", log.replay_rad},
+                                                 {"distance_rad", log.distance_rad}});
   }
   json["provenance"] = provenance_json();
   const Table rows = table_of(scores);
   KAZ_TRY(folder.clear());
   KAZ_TRY(folder.write("scores.csv", csv(rows)));
   KAZ_TRY(folder.write("tables.md", markdown(rows)));
+  const Table replayed = replay_table(scores);
+  if (!arguments.replay.empty()) KAZ_TRY(folder.write("replay.csv", csv(replayed)));
   KAZ_TRY(folder.write_json("result.json", json));
   if (arguments.json)
     print_json(json);
   else
-    std::printf("%sthe tables are in %s\n", markdown(rows).c_str(), folder.folder().c_str());
+    std::printf("%s%sthe tables are in %s\n", markdown(rows).c_str(),
+                arguments.replay.empty() ? "" : ("\n" + markdown(replayed)).c_str(),
+                folder.folder().c_str());
   return true;
 }
 

@@ -165,8 +165,17 @@ void add_servo(CLI::App& bench_verb, Action& action) {
                    "to M4 (default: 6)")
       ->check(between(1, 6))
       ->type_name("N");
+  verb->add_option(
+          "--servo", arguments->servo,
+          "model of the servo as in bus.json, such as sts3215, for servo.json. A motor.xml "
+          "can name servo.json")
+      ->type_name("MODEL");
+  verb->add_option("--compare", arguments->compare,
+                   "compare the parameters with a shipped servo (sts3215-12v, xl330-7v4) or with "
+                   "another servo.json")
+      ->type_name("NAME|FILE");
   verb->add_option("--out", arguments->out,
-                   "folder for report.html, result.json and held-out-*.svg")
+                   "folder for report.html, result.json, servo.json and held-out-*.svg")
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");
@@ -174,7 +183,8 @@ void add_servo(CLI::App& bench_verb, Action& action) {
       "The fit takes half a minute for 16 logs of 6 s, and two minutes for 720 logs.\n"
       "Examples:\n"
       "  kaz bench servo fit-*.csv --held-out held-*.csv --out my-servo\n"
-      "  kaz bench servo fit-*.csv --model 1 --json");
+      "  kaz bench servo fit-*.csv --model 1 --json\n"
+      "  kaz bench servo fit-*.csv --servo sts3215 --compare sts3215-12v");
   verb->callback(
       [&action, arguments] { action = [arguments] { return run_servo_fit(*arguments); }; });
 }
@@ -194,7 +204,12 @@ void add_servo_score(CLI::App& bench_verb, Action& action) {
                    "fit the friction models from M1 up to this number (default: 6)")
       ->check(between(1, 6))
       ->type_name("N");
-  verb->add_option("--out", arguments->out, "folder for scores.csv, tables.md and result.json")
+  verb->add_option("--replay", arguments->replay,
+                   "also write the goals of the held-out logs to a virtual servo of this model "
+                   "(sts3215, xl330-m288), and compare its positions with the logs")
+      ->type_name("MODEL");
+  verb->add_option("--out", arguments->out,
+                   "folder for scores.csv, tables.md, replay.csv and result.json")
       ->capture_default_str()
       ->type_name("DIR");
   verb->add_flag("--json", arguments->json, "print the result as JSON on standard output");

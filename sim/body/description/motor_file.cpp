@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +17,8 @@ namespace kaz::sim {
 namespace {
 
 enum class Need { always, with_heat, never };
+// Whether a motor with <servo> may have the element.
+enum class WithServo { allowed, winding, refused };
 
 struct Param {
   const char* element;
@@ -24,19 +27,23 @@ struct Param {
   bool min_allowed;
   Need need = Need::always;
   double unit = 1;
+  WithServo with_servo = WithServo::allowed;
 };
 
 constexpr double kColdest = -273.15;
 // Bounds of parameters: far beyond any motor's, and such that ratios of them are finite (resistance_ohm()).
 constexpr double kSmallest = 1e-12, kLargest = 1e9;
 constexpr std::array<Param, 13> kParams{{
-    {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false},
-    {"friction", &MotorParams::friction_nm, 0, true},
-    {"back_emf", &MotorParams::back_emf_nms_per_rad, 0, false},
-    {"stiction_ratio", &MotorParams::stiction_ratio, 1, true},
-    {"rotor_inertia", &MotorParams::rotor_inertia_kgm2, 0, false},
+    {"stall_slope", &MotorParams::stall_slope_nm_per_v, 0, false, Need::always, 1,
+     WithServo::winding},
+    {"friction", &MotorParams::friction_nm, 0, true, Need::always, 1, WithServo::refused},
+    {"back_emf", &MotorParams::back_emf_nms_per_rad, 0, false, Need::always, 1, WithServo::winding},
+    {"stiction_ratio", &MotorParams::stiction_ratio, 1, true, Need::always, 1, WithServo::refused},
+    {"rotor_inertia", &MotorParams::rotor_inertia_kgm2, 0, false, Need::always, 1,
+     WithServo::refused},
     {"max_supply", &MotorParams::max_supply_v, 0, false},
-    {"backlash_degrees", &MotorParams::backlash_rad, 0, true, Need::never, std::numbers::pi / 180},
+    {"backlash_degrees", &MotorParams::backlash_rad, 0, true, Need::never, std::numbers::pi / 180,
+     WithServo::refused},
     {"winding_heat_capacity", &MotorParams::winding_heat_capacity, 0, false, Need::with_heat},
     {"winding_to_case", &MotorParams::winding_to_case, 0, false, Need::with_heat},
     {"case_heat_capacity", &MotorParams::case_heat_capacity, 0, false, Need::with_heat},
@@ -76,9 +83,62 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
     return file.error(element,
                       std::string("<") + param.element + "> occurs twice in <motor>; remove one");
   }
+  if (motor.params.servo && param.with_servo == WithServo::refused) {
+    return file.error(element, std::string("<") + param.element +
+                                   "> has no effect with <servo>, which replaces it; remove one");
+  }
   read[which] = true;
   motor.params.*param.member = *value * param.unit;
   motor.seen[which] = true;
+  return {};
+}
+
+// A shipped servo by its name, or a file beside the motor file.
+Result<servo_model::IdentifiedServo> servo_of(const XmlFile& file,
+                                              const tinyxml2::XMLElement& element) {
+  const char *name = element.Attribute("name"), *path = element.Attribute("file");
+  if ((name == nullptr) == (path == nullptr))
+    return fail(Fault::usage, "must have either the attribute `name` or the attribute `file`");
+  if (name != nullptr) return servo_model::shipped_servo(name);
+  return servo_model::load_servo_file(std::filesystem::path(file.path()).replace_filename(path));
+}
+
+// Reads the servo and sets the numbers that it replaces.
+Result<void> read_servo(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  auto servo = servo_of(file, element);
+  if (!servo) {
+    auto failed = file.error(element, "<servo>: " + servo.error().message);
+    failed.value().details = servo.error().details;
+    return failed;
+  }
+  use_servo(motor.params, std::move(*servo));
+  for (std::size_t i = 0; i < kParams.size(); ++i)
+    motor.seen[i] = motor.seen[i] || kParams[i].with_servo != WithServo::allowed;
+  return {};
+}
+
+// <servo> comes first, so that other elements can replace its winding, in any order.
+Result<void> read_servos(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
+  const auto* servo = element.FirstChildElement("servo");
+  if (servo == nullptr) return {};
+  if (const auto* second = servo->NextSiblingElement("servo"))
+    return file.error(*second, "<servo> occurs twice in <motor>; remove one");
+  return read_servo(file, *servo, motor);
+}
+
+// With <servo>, only both numbers of the winding can be replaced: each has the winding's resistance in it.
+Result<void> check_winding(const XmlFile& file, const tinyxml2::XMLElement& element,
+                           const Motor& motor, const Seen& read) {
+  for (std::size_t i = 0; i < kParams.size() && motor.params.servo; ++i) {
+    for (std::size_t k = 0; k < kParams.size(); ++k) {
+      const bool pair = kParams[i].with_servo == WithServo::winding &&
+                        kParams[k].with_servo == WithServo::winding;
+      if (pair && read[i] && !read[k])
+        return file.error(element, std::string("<motor> replaces <") + kParams[i].element +
+                                       "> of <servo>, but not <" + kParams[k].element +
+                                       ">; give both");
+    }
+  }
   return {};
 }
 
@@ -86,9 +146,12 @@ Result<void> read_param(const XmlFile& file, const tinyxml2::XMLElement& element
 Result<void> read_motor(const XmlFile& file, const tinyxml2::XMLElement& element, Motor& motor) {
   KAZ_TRY(file.check_no_text(element));
   Seen read{};
+  KAZ_TRY(read_servos(file, element, motor));
   for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (std::string(child->Name()) == "servo") continue;
     if (auto done = read_param(file, *child, motor, read); !done) return done;
   }
+  KAZ_TRY(check_winding(file, element, motor, read));
   bool heat = false;
   for (std::size_t i = 0; i < kParams.size(); ++i) {
     heat = heat || (kParams[i].need == Need::with_heat && motor.seen[i]);
@@ -123,6 +186,16 @@ MotorParams MotorParams::ideal() const {
   params.backlash_rad = 0;
   params.winding_heat_capacity = 0;
   return params;
+}
+
+void use_servo(MotorParams& motor, servo_model::IdentifiedServo servo) {
+  const servo_model::ServoParams params = servo.params();
+  motor.servo = std::make_shared<const servo_model::IdentifiedServo>(std::move(servo));
+  motor.stall_slope_nm_per_v = params.kt / params.resistance;
+  motor.back_emf_nms_per_rad = params.kt * params.kt / params.resistance;
+  motor.rotor_inertia_kgm2 = params.armature;
+  motor.friction_nm = motor.backlash_rad = 0;
+  motor.stiction_ratio = 1;
 }
 
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name) {

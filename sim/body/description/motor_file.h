@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "shared/base/result.hpp"
+#include "shared/servo_model/servo_file.h"
 
 namespace kaz::sim {
 
@@ -31,6 +33,11 @@ struct MotorParams {
   double copper_per_kelvin = 0;  // relative increase of the winding's resistance per K
   double air_celsius = 25;       // ambient temperature; also the temperature of the cold motor
 
+  // Identified servo, or null. It sets the numbers of the motor above, except those that the motor file
+  // replaces. Its friction (friction_limit()) then acts instead of `stiction_ratio` and the motor's own part
+  // of `friction_nm`, and there is no backlash.
+  std::shared_ptr<const servo_model::IdentifiedServo> servo = nullptr;
+
   // Returns the torque constant K in Nm/A, assuming that `friction_nm` is the gear's only loss. K equals the
   // back-EMF constant (V s/rad). K is computed from two equations that contain the winding's resistance R:
   // stall_slope = K / R and back_emf = K^2 / R.
@@ -43,15 +50,19 @@ struct MotorParams {
   MotorParams ideal() const;
 };
 
-// Loads the motor `name`, or the file's default motor if `name` is empty. An error message names file and
-// line.
+// Makes the numbers of `motor` those of an identified servo. Heat, supply and name stay.
+void use_servo(MotorParams& motor, servo_model::IdentifiedServo servo);
+
+// Loads the motor `name`, or the file's default motor if `name` is empty. <servo name="..."/> names a shipped
+// identified servo, and <servo file="..."/> a servo file, relative to the folder of the motor file. An error
+// message names file and line.
 Result<MotorParams> load_motor_file(const std::string& path, const std::string& name);
 
 // Returns the text of a motor file that contains only this motor, as the default motor. `about` is a
 // description of the origin of the numbers; the text contains this description as a comment.
 // When load_motor_file() reads this text, it returns the numbers of `motor`, with two exceptions. The
 // backlash can have a rounding error. If `motor.winding_heat_capacity` is 0, the text contains no parameter
-// of the heat model except `air_celsius`.
+// of the heat model except `air_celsius`. Precondition: `motor.servo` is null.
 std::string motor_file_text(const MotorParams& motor, const std::string& about);
 
 }  // namespace kaz::sim

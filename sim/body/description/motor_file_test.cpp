@@ -68,6 +68,57 @@ TEST(MotorFile, NeedsNeitherBacklashNorHeat) {
   EXPECT_EQ(motor->winding_heat_capacity, 0);
 }
 
+constexpr const char* kServoFile =
+    R"({"servo": "a", "volts": 6, "model": 1, "source": "s", "license": "l", "date": "2026-01-01",
+        "logs": "none", "params": {)"
+    R"("kt": {"unit": "N m/A", "value": 2}, "resistance": {"unit": "ohm", "value": 4},)"
+    R"("armature": {"unit": "kg m2", "value": 0.02}, "base": {"unit": "N m", "value": 0.1},)"
+    R"("viscous": {"unit": "N m s/rad", "value": 0}, "coasting": {"unit": "N m", "value": 0},)"
+    R"("gain_ratio": {"unit": "1", "value": 1}, "error_bias": {"unit": "rad", "value": 0},)"
+    R"("delay": {"unit": "s", "value": 0.02}, "slew": {"unit": "rad/s", "value": 5},)"
+    R"("lag": {"unit": "s", "value": 0}}})";
+
+TEST(MotorFile, NamesAnIdentifiedServo) {
+  const test::Folder folder;
+  folder.write("a.json", kServoFile);
+  const auto read = [&](const std::string& elements) {
+    return load_motor_file(
+        folder.write("motor.xml", "<motors default='a'>\n<motor name='a'>\n" + elements +
+                                      "<servo file='a.json'/><max_supply value='9'/>"
+                                      "</motor></motors>"),
+        "");
+  };
+  const auto motor = read("");
+  ASSERT_TRUE(motor) << motor.error().message;
+  ASSERT_TRUE(motor->servo);
+  EXPECT_EQ(motor->servo->params().delay, 0.02);
+  EXPECT_EQ(motor->torque_constant(), 2);
+  EXPECT_EQ(motor->resistance_ohm(), 4);
+  EXPECT_EQ(motor->rotor_inertia_kgm2, 0.02);
+  EXPECT_EQ(motor->friction_nm, 0) << "friction_limit() has it";
+  const auto wound = read("<stall_slope value='1'/><back_emf value='3'/>");
+  ASSERT_TRUE(wound) << wound.error().message;
+  EXPECT_EQ(wound->torque_constant(), 3);
+  for (const auto& [elements, error] : std::vector<std::pair<std::string, std::string>>{
+           {"<friction value='1'/>",
+            ":3: <friction> has no effect with <servo>, which replaces it; remove one"},
+           {"<stall_slope value='1'/>",
+            ":2: <motor> replaces <stall_slope> of <servo>, but not <back_emf>; give both"},
+           {"<servo file='a.json'/>", ":3: <servo> occurs twice in <motor>; remove one"}}) {
+    const auto refused = read(elements);
+    ASSERT_FALSE(refused) << elements;
+    EXPECT_TRUE(refused.error().message.ends_with("motor.xml" + error)) << refused.error().message;
+  }
+  const auto shipped = load_motor_file("sim/robots/so101/motor.xml", "");
+  ASSERT_TRUE(shipped) << shipped.error().message;
+  EXPECT_EQ(shipped->servo->servo, "sts3215");
+  folder.write("a.json", "{}");
+  const auto invalid = read("");
+  ASSERT_FALSE(invalid);
+  EXPECT_NE(invalid.error().message.find("motor.xml:3: <servo>: "), std::string::npos);
+  EXPECT_GT(invalid.error().details.size(), 5u) << "all errors of the servo's file";
+}
+
 struct Case {
   const char* name;
   const char* motors;

@@ -18,7 +18,9 @@ constexpr double kMaxWindUp = 1e-3;  // rad, max penetration of a joint into a h
 }  // namespace
 
 JointMotor::JointMotor(const MotorParams& params, double step_s)
-    : params_(std::make_shared<const MotorParams>(params)), step_s_(step_s), heat_(params_) {}
+    : params_(std::make_shared<const MotorParams>(params)), step_s_(step_s), heat_(params_) {
+  if (params.servo) servo_params_ = params.servo->params();
+}
 
 JointMotor::State JointMotor::state() const {
   State state = state_;
@@ -92,9 +94,26 @@ void JointMotor::break_loose() {
   state_.stopped = false;
 }
 
+// The row of an identified servo. Its friction is added to that of the robot's joint.
+JointMotor::Row JointMotor::servo_row(double velocity) {
+  const double per_speed = params_->rotor_inertia_kgm2 / step_s_;
+  const double motor =
+      drive_torque_ - (stiffness_ - per_speed - params_->damping_nms_per_rad) * velocity;
+  const servo_model::IdentifiedServo& servo = *params_->servo;
+  const double friction =
+      params_->friction_nm + servo_model::friction_limit(servo.model, servo_params_, velocity,
+                                                         motor, state_.external, powered_);
+  tight_ = true;
+  state_.rotor_speed = velocity;
+  free_speed_ = (drive_torque_ + per_speed * velocity) / stiffness_;
+  return {free_speed_, 1.0 / stiffness_, max_, -max_,
+          jammed_ ? kMaxTorque : std::min(friction, max_)};
+}
+
 JointMotor::Row JointMotor::prepare(const MotorDrive& drive, double supply_volts, double angle,
                                     double velocity) {
   take_drive(drive, supply_volts);
+  if (params_->servo) return servo_row(velocity);
   if (tight_) {
     state_.rotor_speed = velocity;
     if (state_.regime != Regime::held) state_.rotor_angle = angle;
@@ -178,6 +197,13 @@ JointMotor::Row JointMotor::flank_row(double angle, double velocity) {
 
 // Rotor after the step: u_new = u_free - T / K, at most to rest. Friction power = friction u.
 void JointMotor::turn_rotor(double velocity, double torque) {
+  if (params_->servo) {
+    const double friction = (free_speed_ - velocity) * stiffness_ - torque;
+    state_.friction_watts = friction * velocity;
+    state_.rotor_speed = velocity;
+    state_.rotor_angle += step_s_ * velocity;
+    return;
+  }
   if (state_.regime == Regime::held) {
     state_.rotor_speed = 0;
     state_.friction_watts = 0;
@@ -200,7 +226,8 @@ void JointMotor::turn_rotor(double velocity, double torque) {
 }
 
 // I = (V duty - k_e u) / R(T) in A, copper loss I^2 R(T) in W.
-void JointMotor::finish(double velocity, double torque) {
+void JointMotor::finish(double velocity, double torque, double external) {
+  state_.external = external;
   state_.torque_before = state_.torque;
   state_.torque = torque;
   turn_rotor(velocity, torque);

@@ -33,6 +33,9 @@
 //
 // Static friction is a separate regime: the rotor is held until the load exceeds the breakaway torque.
 //
+// A motor with an identified servo (MotorParams::servo) has no backlash. Its friction is a second row, with
+// the target speed 0 and a bound from friction_limit() of the last step's motor torque and external torque.
+//
 // In the model, a slipping gear limits the torque on the joint. The model ignores the backlash of a slipping
 // gear, and the difference between the speeds of motor and joint. A jammed gear locks the joint at its angle.
 // Currents are means over a PWM period.
@@ -60,6 +63,9 @@ class JointMotor {
     // Unit: Nm. In the row of a flank, one of `min` and `max` is 0, and the other is so large that it never
     // limits the torque. For a gear without backlash, a slipping gear or a jammed gear, min = -max.
     double min = 0;
+    // Largest friction torque (Nm) of an identified servo: the bound of a second row, w_new = 0. Other motors
+    // have their friction in the first row.
+    double friction = 0;
   };
   // Returns the torque (Nm) with which the motor would press on a rigid obstacle in the coming step. The
   // obstacle holds the joint at rest. `row` is the result of prepare().
@@ -69,8 +75,10 @@ class JointMotor {
   // duty is clamped to -1..1. A duty that is not finite counts as 0.
   Row prepare(const MotorDrive& drive, double supply_volts, double angle, double velocity);
   // Updates rotor, current and heat after the step. `velocity` is the joint's velocity after the step
-  // (rad/s). `torque` is the torque that the solver found for the row (Nm).
-  void finish(double velocity, double torque);
+  // (rad/s). `torque` is the torque that the solver found for the row, or for both rows (Nm). `external` is
+  // the torque (Nm) of gravity, contacts and other joints on the joint in the step; only identified servos
+  // use it.
+  void finish(double velocity, double torque, double external = 0);
 
   // Current drawn from the supply in the last step, A. The current is negative if the motor brakes and feeds
   // current back, and 0 if the bridge is open.
@@ -100,6 +108,7 @@ class JointMotor {
     double duty = 0, current = 0;
     double copper_watts = 0, friction_watts = 0;
     double winding_celsius = 0, case_celsius = 0;
+    double external = 0;  // external torque in the last step, Nm; only of identified servos
   };
   State state() const;
   void set_state(const State& state);
@@ -110,6 +119,7 @@ class JointMotor {
     State& s = state_;
     a(s.regime, s.stopped, s.rotor_angle, s.rotor_speed, s.torque, s.torque_before, s.press, s.duty,
       s.current, s.copper_watts, s.friction_watts, heat_);
+    if (params_->servo) a(s.external);
   }
 
  private:
@@ -117,12 +127,14 @@ class JointMotor {
   void break_loose();
   bool will_stop() const;
   void be_struck(double angle, double velocity);
+  Row servo_row(double velocity);
   Row tight_row(double angle);
   Row flank_row(double angle, double velocity);
   void turn_rotor(double velocity, double torque);
   void stop();
 
   std::shared_ptr<const MotorParams> params_;  // shared by all copies of this object
+  servo_model::ServoParams servo_params_;      // parameters of MotorParams::servo
   double step_s_;
   WindingHeat heat_;
   State state_;

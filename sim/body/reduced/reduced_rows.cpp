@@ -231,8 +231,9 @@ Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {
   return free.velocity + free.angular_velocity().cross(point - free.com);
 }
 
-// Bounded rows: first one motor row for each joint (joint_motor.h, times h: impulses), then the joint stops
-// in reach. A stop: target -gap / h while apart (it may close the gap, no more), erp penetration / h beyond.
+// Bounded rows: first one motor row for each joint (joint_motor.h, times h: impulses), then one friction row
+// for each joint if the motors are identified servos, then the joint stops in reach. A stop: target -gap / h
+// while apart (it may close the gap, no more), erp penetration / h beyond.
 void ReducedWorld::make_joint_rows(Work& work) const {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -240,6 +241,11 @@ void ReducedWorld::make_joint_rows(Work& work) const {
     work.solver.add_bounded({layout_->joints[i].dof, 1, row.velocity, row.softness / step_s_,
                              step_s_ * row.min, step_s_ * row.max});
   }
+  // Friction of identified servos holds a shaft with this compliance, rad/s per Nm.
+  constexpr double kFrictionSoftness = 1e-6;
+  for (std::size_t i = 0; i < rows_.size() && servo_; ++i)
+    work.solver.add_bounded({layout_->joints[i].dof, 1, 0, kFrictionSoftness / step_s_,
+                             -step_s_ * rows_[i].friction, step_s_ * rows_[i].friction});
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double angle = joint_states_[i].angle;
     const double back = erp_for(step_s_, kStopErp);

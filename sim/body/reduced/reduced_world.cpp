@@ -269,12 +269,27 @@ void ReducedWorld::step(std::span<const MotorDrive> drives, double supply_volts)
   if (!can_move(work)) return;
   for (std::size_t i = 0; i < joint_states_.size(); ++i)
     joint_states_[i].torque = work.solver.bounded(i) / step_s_;
+  if (servo_) read_servo_torques(work);
   measure_forces(work);
   advance(work);
   ++steps_;
   read_joints();
   read_imu(velocity_before);
   finish_motors();
+}
+
+// Torques of the step: motor and friction together; and external = M (v_new - v_old) / h - torque, which has
+// gravity, contacts and stops, but not the inertia of the links.
+void ReducedWorld::read_servo_torques(Work& work) {
+  work.change.assign(work.velocity.size(), 0.0);
+  for (std::size_t i = 0; i < velocity_before_.size(); ++i)
+    work.change[i] = work.velocity[i] - velocity_before_[i];
+  work.solver.multiply(work.change.data(), work.momentum.data());
+  for (std::size_t i = 0; i < joint_states_.size(); ++i) {
+    joint_states_[i].torque += work.solver.bounded(rows_.size() + i) / step_s_;
+    const double impulse = work.momentum[static_cast<std::size_t>(layout_->joints[i].dof)];
+    external_nm_[i] = impulse / step_s_ - joint_states_[i].torque;
+  }
 }
 
 void ReducedWorld::read_joints() {

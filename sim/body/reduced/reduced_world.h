@@ -110,7 +110,7 @@ class ReducedWorld final : public StagedWorld {
     Contacts& contacts = Contacts::of_this_thread();
     VelocitySolver solver;
     std::vector<double> bias, halfway, acceleration;  // indexed by coordinate of the tree
-    std::vector<double> momentum, velocity;           // indexed by coordinate of the solver
+    std::vector<double> momentum, velocity, change;   // indexed by coordinate of the solver
     std::vector<Spatial> outer;                       // external force on each link
     // Index of the first of the six coordinates (angular, linear) of each object; -1: the object sleeps.
     std::vector<int> coordinate_of;
@@ -156,6 +156,7 @@ class ReducedWorld final : public StagedWorld {
   static double tie_velocity(const Work& work, const VelocitySolver::Tie& tie);
   void read_passive_joints();
   void solve(Work& work);
+  void read_servo_torques(Work& work);
   bool can_move(const Work& work);
   void move_tree(double seconds);
   void fly(const ArticulatedTree::Momentum& after, const Eigen::Vector3d& centre);

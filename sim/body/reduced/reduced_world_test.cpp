@@ -4,6 +4,7 @@
 #include "sim/body/reduced/reduced_world.h"
 
 #include <cmath>
+#include <limits>
 
 #include "sim/body/description/files_testing.h"
 #include "sim/body/description/motor_file.h"
@@ -48,6 +49,74 @@ TEST(Reduced, KeepsMomentumInFlightWhateverTheMotorsDo) {
   }
   EXPECT_GT(energy, 0.02) << "it must really move";
   EXPECT_LT((world->tree().mass_centre() - start).norm(), 1e-12);
+}
+
+// An arm of 0.1 kg, horizontal at the start, with its center of mass 0.2 m from the shaft.
+std::unique_ptr<ReducedWorld> servo_arm(const servo_model::IdentifiedServo& servo) {
+  RobotModel robot;
+  robot.fixed_base = true;
+  robot.links.resize(2);
+  RobotLink& arm = robot.links[1];
+  arm.rigid = {"arm", 0.1, {0.2, 0, 0}, 1e-5 * Eigen::Matrix3d::Identity(), {}, {}};
+  arm.parent = arm.joint = 0;
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  robot.joints.push_back({"shaft", 1, Eigen::Vector3d::UnitY(), -kEndless, kEndless});
+  MotorParams motor;
+  motor.max_supply_v = 12;
+  use_servo(motor, servo);
+  WorldModel place;
+  place.gravity = {0, 0, -10};
+  return std::make_unique<ReducedWorld>(place, robot, motor, WorldOptions{.hung = true});
+}
+
+servo_model::IdentifiedServo loaded_servo(double base, double external) {
+  servo_model::IdentifiedServo servo;
+  servo.model = 5;
+  servo_model::ServoParams p;
+  p.base = base;
+  p.viscous = 0;
+  p.external = external;
+  for (const servo_model::ServoParamInfo& info : servo_model::servo_params(5))
+    servo.identified.push_back({&info, p.*info.at});
+  return servo;
+}
+
+// The weight is 0.2 Nm. Friction of 0.02 Nm + 0.95 times this load holds it, and + 0.85 times does not.
+TEST(IdentifiedServo, HasFrictionThatDependsOnTheLoad) {
+  for (const double external : {0.95, 0.85}) {
+    const auto world = servo_arm(loaded_servo(0.02, external));
+    // The first step has no load yet: the arm starts to move, and friction stops it within 20 ms.
+    for (int i = 0; i < 1000; ++i) world->step({}, 12);
+    if (external > 0.9) {
+      EXPECT_LT(std::abs(world->joints()[0].angle), 3e-4);
+      EXPECT_NEAR(world->joints()[0].torque, -0.2, 1e-4) << "friction holds the weight";
+    } else {
+      EXPECT_GT(world->joints()[0].angle, 0.1);
+    }
+  }
+}
+
+// Without friction the arm falls with the inertia of arm and rotor.
+TEST(IdentifiedServo, HasItsRotorInertia) {
+  const auto world = servo_arm(loaded_servo(0, 0));
+  for (int i = 0; i < 20; ++i) world->step({}, 12);
+  const double inertia = 0.1 * 0.04 + 1e-5 + servo_model::ServoParams().armature;
+  EXPECT_NEAR(world->joints()[0].velocity, 0.02 * 0.2 / inertia, 1e-3);
+}
+
+TEST(IdentifiedServo, IsSavedWithItsLoad) {
+  const auto world = servo_arm(loaded_servo(0.02, 0.5)), other = servo_arm(loaded_servo(0.02, 0.5));
+  for (int i = 0; i < 50; ++i) world->step({}, 12);
+  StateWriter writer;
+  world->save(writer);
+  StateReader reader(writer.bytes());
+  other->restore(reader);
+  ASSERT_TRUE(reader.good());
+  for (int i = 0; i < 50; ++i) {
+    world->step({}, 12);
+    other->step({}, 12);
+    ASSERT_EQ(world->joints()[0].angle, other->joints()[0].angle);
+  }
 }
 
 // Falling, the centre of mass is on its parabola at each step.

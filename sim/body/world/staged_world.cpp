@@ -45,6 +45,8 @@ StagedWorld::StagedWorld(const WorldModel& world, const RobotModel& robot, const
       pushes_left_(model_->pushes.size()),
       motors_(motors_of(robot, motor, options.step_s)),
       rows_(robot.motors()),
+      servo_(motor.servo),
+      external_nm_(robot.motors(), 0.0),
       joint_states_(robot.motors()),
       link_forces_(robot.links.size()) {
   if (const auto imu = model_->link_frames.find("imu"); imu != model_->link_frames.end())
@@ -159,7 +161,7 @@ bool StagedWorld::body_can_move(std::size_t body, const Eigen::Vector3d& velocit
 
 void StagedWorld::finish_motors() {
   for (std::size_t i = 0; i < motors_.size(); ++i) {
-    motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque);
+    motors_[i].finish(joint_states_[i].velocity, joint_states_[i].torque, external_nm_[i]);
   }
   read_motors();
 }

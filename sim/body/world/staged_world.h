@@ -34,6 +34,7 @@ class StagedWorld : public World {
   std::span<const std::string> joint_order() const override { return model_->joint_order; }
   double supply_current_a() const override { return current_; }
   const ImuState& imu() const override { return imu_; }
+  const servo_model::IdentifiedServo* servo() const override { return servo_.get(); }
   std::span<const LinkForce> link_forces() const override { return link_forces_; }
   std::span<const std::string> link_order() const override { return model_->link_order; }
   void watch_loads(bool on) override { watch_loads_ = on; }
@@ -81,7 +82,7 @@ class StagedWorld : public World {
   bool has_stepped() const;  // returns whether one of StageModel::feet has risen by kFirstStep
   // Computes each motor's row of the constraint solver from the present joint states.
   void prepare_motors(std::span<const MotorDrive> drives, double supply_volts);
-  // Updates the motors after the step, with the new joint states.
+  // Updates the motors after the step, with the new joint states and external torques.
   void finish_motors();
   // Validity checks of one step. A check that fails sets diagnostics_.failure and returns false.
   static constexpr double kMaxTurn = 1, kMaxTravel = 1;  // rad and m per step
@@ -144,6 +145,9 @@ class StagedWorld : public World {
   std::int64_t first_step_ = -1;  // simulation step in which has_stepped() became true; -1: not yet
   std::vector<JointMotor> motors_;
   std::vector<JointMotor::Row> rows_;  // row of each motor for the current step
+  // Identified servo of the motors, or null, and the external torque on each of its joints in the last step.
+  std::shared_ptr<const servo_model::IdentifiedServo> servo_;
+  std::vector<double> external_nm_;
   std::vector<JointState> joint_states_;
   RobotFrame imu_frame_;
   ImuState imu_;

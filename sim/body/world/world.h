@@ -16,6 +16,7 @@
 
 #include "shared/base/archive.hpp"
 #include "shared/base/result.hpp"
+#include "shared/servo_model/servo_file.h"
 #include "sim/body/description/reading.h"
 #include "sim/body/description/scene.h"
 #include "sim/body/motor/motor_drive.h"
@@ -180,6 +181,8 @@ class World {
   // set an error in the archive.
   virtual void save(StateWriter& to) { to.refuse("this kind of world cannot be saved"); }
   virtual void restore(StateReader& from) { from.refuse("this kind of world cannot be restored"); }
+  // Identified servo of all motors, or null. Its control law belongs to the board or bus.
+  virtual const servo_model::IdentifiedServo* servo() const { return nullptr; }
 };
 
 }  // namespace kaz::sim

@@ -9,6 +9,7 @@
 
 #include "hil/servo/servo_fit.h"
 #include "host/link/interruptible.h"
+#include "shared/servo_model/servo_file.h"
 #include "sim/bus/bus_testing.h"
 #include "tests/integration/servo_conformance/bus_link_testing.h"
 
@@ -71,23 +72,28 @@ TEST(PendulumRecorder, ItsLogsAreFittedAndOthersPredicted) {
   }
   EXPECT_EQ(held_out.size(), 4u);
   hil::ServoFitOptions options;
-  options.models = {1};
+  options.models = {1, 6};
   const auto fits = hil::fit_servo(fitted, held_out, options);
   ASSERT_TRUE(fits) << fits.error().message;
-  const auto& fit = fits->front();
+  const auto& fit = fits->back();
   RecordProperty("held_out_mrad", std::to_string(1000 * fit.held_out.position_rad));
-  // The motor file has K = 1.239 Nm/A, 4.37 ohm, 0.19 Nm of friction, 0.5 degrees of backlash.
-  EXPECT_LT(fit.held_out.position_rad, 0.004);
+  // The motor file has K = 1.297 Nm/A and 3.0 ohm, and names the identified servo.
+  const auto servo = servo_model::shipped_servo("sts3215-12v")->params();
+  EXPECT_LT(fit.held_out.position_rad, 0.003);
   EXPECT_LT(fit.held_out.current_share, 0.12);
-  EXPECT_NEAR(fit.params.kt, 1.239, 0.15);
-  EXPECT_NEAR(fit.params.base, 0.186, 0.02);
-  EXPECT_NEAR(fit.params.armature, 0.028, 0.002);
+  EXPECT_NEAR(fit.params.kt, 1.297, 0.05 * 1.297);
+  EXPECT_GT(fit.params.resistance, 3);
+  EXPECT_LT(fit.params.resistance, 1.2 * 3) << "a warm winding";
+  EXPECT_NEAR(fit.params.armature, servo.armature, 0.05 * servo.armature);
+  EXPECT_LT(fit.params.delay, 0.002)
+      << "the recorded goal is the servo's setpoint, after the delay";
   // Another weight than stated is another servo: the fit is worse, or the motor another one.
   for (auto* logs : {&fitted, &held_out})
     for (auto& log : *logs) log.mass_kg *= 2;
+  options.models = {1};
   const auto wrong = hil::fit_servo(fitted, held_out, options);
   ASSERT_TRUE(wrong);
-  EXPECT_GT(std::abs(wrong->front().params.kt - 1.239), 0.2);
+  EXPECT_GT(std::abs(wrong->front().params.kt - 1.297), 0.2);
 }
 
 TEST(PendulumRecorder, ALimitAnErrorOrAnInterruptSwitchesTheTorqueOff) {

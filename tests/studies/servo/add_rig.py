@@ -4,7 +4,8 @@
 
 RIGS is a CSV file with the columns mass_kg, length_m, inertia_kgm2 and gravity_nm. Each line has the values
 of one rig's CAD model. Each LOG (CSV or BAM's JSON) is copied to the folder OUT with the two values of the
-rig whose mass and length are within 1 % of the log's.
+rig whose mass and length are within 1 % of the log's. CSV logs also get the value of the column most_duty, if
+RIGS has one (STS3215: 0.97).
 """
 
 import csv
@@ -20,13 +21,15 @@ def with_rig(text, rigs, name):
     """The log's text with both values; those of an earlier call are replaced."""
     if text.startswith("{"):
         log = json.loads(text)
-        log["inertia_kgm2"], log["gravity_nm"] = rig_of(log["mass"], log["length"], rigs, name)
+        log["inertia_kgm2"], log["gravity_nm"], _ = rig_of(log["mass"], log["length"], rigs, name)
         return json.dumps(log)
     found = dict(re.findall(r"^# (mass_kg|length_m) +(\S+)", text, re.M))
     if len(found) < 2:
         sys.exit(f"{name}: the lines `# mass_kg VALUE` and `# length_m VALUE` are needed to find the rig")
-    inertia, gravity = rig_of(float(found["mass_kg"]), float(found["length_m"]), rigs, name)
+    inertia, gravity, duty = rig_of(float(found["mass_kg"]), float(found["length_m"]), rigs, name)
     rest = re.sub(r"^# (inertia_kgm2|gravity_nm) .*\n", "", text, flags=re.M)
+    if duty:
+        rest = f"# most_duty {duty}\n" + re.sub(r"^# most_duty .*\n", "", rest, flags=re.M)
     return f"# inertia_kgm2 {inertia}\n# gravity_nm {gravity}\n{rest}"
 
 
@@ -39,7 +42,8 @@ def rig_of(mass, length, rigs, name):
 
 def main(table, out, *logs):
     with open(table, newline="") as lines:
-        rigs = [tuple(float(line[field]) for field in FIELDS) for line in csv.DictReader(lines)]
+        rigs = [(*(float(line[field]) for field in FIELDS), line.get("most_duty"))
+                for line in csv.DictReader(lines)]
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
     for log in map(pathlib.Path, logs):

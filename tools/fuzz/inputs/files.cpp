@@ -69,6 +69,7 @@ Complaint try_motor(Bytes bytes) {
   const auto motor = sim::load_motor_file(path, "");
   if (!motor) return judge_error(motor.error(), path);
   if (!finite(*motor)) return "an invalid motor was read";
+  if (motor->servo) return std::nullopt;  // motor_file_text() has no <servo>
   const std::string text = sim::motor_file_text(*motor, "case");
   const auto* first = reinterpret_cast<const std::uint8_t*>(text.data());
   const auto again = sim::load_motor_file(input_file({first, text.size()}, "again.xml"), "");
@@ -84,6 +85,23 @@ Complaint try_motor(Bytes bytes) {
     same.copper_per_kelvin = motor->copper_per_kelvin;
   }
   if (same != *motor) return "the motor changes when it is written and read back";
+  return std::nullopt;
+}
+
+Complaint try_servo_file(Bytes bytes) {
+  const auto servo = servo_model::parse_servo_file("servo.json", text_of(bytes));
+  if (!servo) return judge_error(servo.error(), "servo.json");
+  const servo_model::ServoParams params = servo->params();
+  for (const double speed : {0.0, 1.0, -30.0}) {
+    const double friction =
+        servo_model::friction_limit(servo->model, params, speed, 2, -1, speed == 0);
+    if (!(friction >= 0 && std::isfinite(friction))) return "an invalid friction";
+  }
+  const std::string text = servo_model::servo_file_text(*servo);
+  const auto again = servo_model::parse_servo_file("written", text);
+  if (!again) return "written data cannot be read back: " + again.error().message;
+  if (servo_model::servo_file_text(*again) != text)
+    return "the servo changes when it is written and read back";
   return std::nullopt;
 }
 

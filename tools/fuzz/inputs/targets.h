@@ -30,6 +30,8 @@ Complaint try_bench_limits(Bytes bytes);
 Complaint try_balance(Bytes bytes);  // weights of a balance policy; the policy then runs one step
 // Log of a servo; a valid input is also written and read again.
 Complaint try_servo_log(Bytes bytes);
+// File of an identified servo; a valid input is also written and read again.
+Complaint try_servo_file(Bytes bytes);
 Complaint try_episodes(Bytes bytes);  // episode file of `kaz evaluate`
 // Notes of a run that changes a board; a valid input is also written and read again.
 Complaint try_kept(Bytes bytes);
@@ -82,6 +84,7 @@ inline constexpr Target kInputTargets[] = {{"robot", try_robot},
                                            {"bench_limits", try_bench_limits},
                                            {"balance", try_balance},
                                            {"servo_log", try_servo_log},
+                                           {"servo_file", try_servo_file},
                                            {"episodes", try_episodes},
                                            {"kept", try_kept},
                                            {"recording", try_recording},
