@@ -12,7 +12,7 @@
 
 namespace kaz::contact {
 
-inline constexpr double kCubeMass = 0.37;       // kg
+inline constexpr double kCubeMass = 0.37;        // kg
 inline constexpr double kCubeInertia = 0.00081;  // kg m2, about each axis
 
 // A contact parameter to fit.

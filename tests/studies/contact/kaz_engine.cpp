@@ -17,9 +17,8 @@ struct ContactValues {
 
 // A cube at the first pose of a toss above a floor at the height `floor` (m).
 sim::WorldModel cube_world(const ContactValues& values, const Pose& start) {
-  const sim::Surface hard{.mu = values.mu}, cube{.mu = values.mu,
-                                                 .softness = values.softness,
-                                                 .restitution = values.restitution};
+  const sim::Surface hard{.mu = values.mu},
+      cube{.mu = values.mu, .softness = values.softness, .restitution = values.restitution};
   sim::WorldModel world = sim::test::floor_of(hard, {0, 0, -kGravity});
   world.bodies[0].pose.translation().z() = values.floor;
   sim::RigidLink link =
@@ -35,11 +34,11 @@ Pose pose_of(const sim::World& world) {
   return {pose.translation(), Eigen::Quaterniond(pose.linear())};
 }
 
-Result<Path> simulate_toss(const Toss& toss, const ContactValues& values,
-                           const sim::WorldOptions& options, int steps) {
-  const auto world = KAZ_TRY(sim::make_world(cube_world(values, toss.path.front()),
-                                             sim::test::fixed_place(), sim::test::free_motor(),
-                                             options));
+Result<Path> simulate_in_kaz(const Toss& toss, const ContactValues& values,
+                             const sim::WorldOptions& options, int steps) {
+  const auto world =
+      KAZ_TRY(sim::make_world(cube_world(values, toss.path.front()), sim::test::fixed_place(),
+                              sim::test::free_motor(), options));
   KAZ_TRY(world->accelerate(kCube, toss.velocity.front(), toss.spin.front()));
   Path path{toss.path.front()};
   while (path.size() < toss.path.size()) {
@@ -65,7 +64,7 @@ Result<Engine> kaz_engine(const std::string& dynamics, int steps) {
                        {"softness", "m/s per N", 1e-5, 1, 1e-2, true},
                        {"floor", "m", -0.005, 0.002, -0.001, false}};
   engine.simulate = [options, steps](const Toss& toss, std::span<const double> v) {
-    return simulate_toss(toss, {v[0], v[1], v[2], v[3]}, options, steps);
+    return simulate_in_kaz(toss, {v[0], v[1], v[2], v[3]}, options, steps);
   };
   return engine;
 }

@@ -66,9 +66,8 @@ Interval bootstrap_mean(std::span<const double> values, std::uint64_t seed) {
 }
 
 Interval bootstrap_ratio(std::span<const double> a, std::span<const double> b, std::uint64_t seed) {
-  return bootstrap(a.size(), seed, [&](const auto& indices) {
-    return sum_at(a, indices) / sum_at(b, indices);
-  });
+  return bootstrap(a.size(), seed,
+                   [&](const auto& indices) { return sum_at(a, indices) / sum_at(b, indices); });
 }
 
 }  // namespace kaz::contact

@@ -1,9 +1,12 @@
 // Recorded tosses of a cube: poses at a fixed rate, and the velocities of each sample.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Data: DAIRLab, dairlib and contact-nets, BSD-3-Clause. A file NUMBER.csv has one line per sample of 1/148 s
-// with 13 numbers: position (in half edges of the cube), quaternion w x y z, velocity (half edges/s), and
-// angular velocity (rad/s, body axes).
+// Data: DAIRLab, dairlib and contact-nets, BSD-3-Clause. A file NUMBER.csv has one line per sample of 1/148 s.
+// The 13 columns of a line:
+//    1 to 3   position, half edges of the cube
+//    4 to 7   quaternion w x y z
+//    8 to 10  velocity, half edges/s
+//   11 to 13  angular velocity, rad/s, body axes
 #pragma once
 
 #include <string>
@@ -15,8 +18,8 @@
 
 namespace kaz::contact {
 
-inline constexpr double kHalf = 0.0524;  // half edge of the cube, m
-inline constexpr double kRate = 148;     // samples per second
+inline constexpr double kHalf = 0.0524;   // half edge of the cube, m
+inline constexpr double kRate = 148;      // samples per second
 inline constexpr double kGravity = 9.81;  // m/s2
 
 // Pose of the cube's center, world axes, z up.
@@ -35,13 +38,13 @@ struct Toss {
   std::vector<Eigen::Vector3d> velocity, spin;
 };
 
-// Reads NUMBER.csv. Returns Fault::usage with file and line if the name has no number, a line does not have 13
-// finite numbers in range, a quaternion's length differs from 1 by more than 0.001, or there are fewer than 10
-// or more than 10,000 samples.
+// Reads NUMBER.csv with 10 to 10,000 samples. Returns Fault::usage with file and line for a bad file. Each line
+// must have 13 finite numbers in range. The length of a quaternion must be 1 within 0.001.
 Result<Toss> read_toss(const std::string& path);
 
-// Reads all NUMBER.csv files of a folder, sorted by number. Returns Fault::usage if there are fewer than 8 or
-// more than 10,000 files, a number occurs twice, or a file is bad. Files with other extensions are skipped.
+// Reads all NUMBER.csv files of a folder, sorted by number. The function skips files with other extensions.
+// Returns Fault::usage if there are fewer than 8 or more than 10,000 files. A bad file or a number that occurs
+// twice is also Fault::usage.
 Result<std::vector<Toss>> read_tosses(const std::string& folder);
 
 // Writes a file that read_toss() reads, with 9 decimals.

@@ -31,8 +31,8 @@ Result<std::unique_ptr<World>> MujocoWorld::make(const WorldModel& world, const 
                                                  const MotorParams& motor,
                                                  const WorldOptions& options,
                                                  MujocoSettings settings) {
-  const bool slides = std::ranges::any_of(
-      robot.joints, [](const RobotJoint& joint) { return joint.pinion_m > 0; });
+  const bool slides =
+      std::ranges::any_of(robot.joints, [](const RobotJoint& joint) { return joint.pinion_m > 0; });
   if (slides || robot.motors() != robot.joints.size() || !world.joints.empty())
     return fail(Fault::usage,
                 "the MuJoCo model has no prismatic joints, no joints that follow others, and no "
