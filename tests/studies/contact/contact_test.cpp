@@ -1,5 +1,5 @@
-// Score, phases and fit of the contact study. Generated tosses show only that the bench works: they say nothing
-// about the contact of a real cube.
+// Score, phases and fit of the contact study. Generated tosses show only that the bench works: they say
+// nothing about the contact of a real cube.
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <filesystem>

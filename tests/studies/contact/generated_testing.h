@@ -10,8 +10,8 @@
 
 namespace kaz::contact::test {
 
-// Fills in the velocities by differences to the previous pose, as in the recorded files. The velocities of the
-// first sample stay.
+// Fills in the velocities by differences to the previous pose, as in the recorded files. The velocities of
+// the first sample stay.
 inline void differentiate(Toss& toss) {
   toss.velocity.resize(toss.path.size());
   toss.spin.resize(toss.path.size());
@@ -22,8 +22,8 @@ inline void differentiate(Toss& toss) {
   }
 }
 
-// Returns `count` tosses with the even numbers 0, 2 and so on. Each starts 0.1 to 0.15 m above the floor, with up
-// to 1.2 m/s and 6 rad/s along each axis.
+// Returns `count` tosses with the even numbers 0, 2 and so on. Each starts 0.1 to 0.15 m above the floor,
+// with up to 1.2 m/s and 6 rad/s along each axis.
 inline std::vector<Toss> generated_tosses(const Engine& engine, std::span<const double> values,
                                           int count, std::size_t samples) {
   Random random(7);

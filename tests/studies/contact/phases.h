@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The score of a toss is the mean of e_1 .. e_n, the pose errors of its samples. An increment e_i - e_(i-1)
-// stays in all later samples, so it contributes (e_i - e_(i-1)) (n - i + 1) / n. These contributions sum up to
-// the score. Each belongs to the phase of the measured motion between the samples i - 1 and i:
+// stays in all later samples, so it contributes (e_i - e_(i-1)) (n - i + 1) / n. These contributions sum up
+// to the score. Each belongs to the phase of the measured motion between the samples i - 1 and i:
 //
 //   flight        before the first impact. An impact is a change of the measured velocity by more than
 //                 0.1 m/s beyond gravity, or of the angular velocity by more than 1 rad/s, in one sample

@@ -1,7 +1,7 @@
 // Recorded tosses of a cube: poses at a fixed rate, and the velocities of each sample.
 // SPDX-License-Identifier: Apache-2.0
 //
-// Data: DAIRLab, dairlib and contact-nets, BSD-3-Clause. A file NUMBER.csv has one line per sample of 1/148 s.
+// Data: DAIRLab, dairlib and contact-nets, BSD-3-Clause. A file NUMBER.csv has one line per sample.
 // The 13 columns of a line:
 //    1 to 3   position, half edges of the cube
 //    4 to 7   quaternion w x y z
@@ -38,20 +38,20 @@ struct Toss {
   std::vector<Eigen::Vector3d> velocity, spin;
 };
 
-// Reads NUMBER.csv with 10 to 10,000 samples. Returns Fault::usage with file and line for a bad file. Each line
-// must have 13 finite numbers in range. The length of a quaternion must be 1 within 0.001.
+// Reads NUMBER.csv with 10 to 10,000 samples. Returns Fault::usage with file and line for a bad file. Each
+// line must have 13 finite numbers in range. The length of a quaternion must be 1 within 0.001.
 Result<Toss> read_toss(const std::string& path);
 
 // Reads all NUMBER.csv files of a folder, sorted by number. The function skips files with other extensions.
-// Returns Fault::usage if there are fewer than 8 or more than 10,000 files. A bad file or a number that occurs
-// twice is also Fault::usage.
+// Returns Fault::usage if there are fewer than 8 or more than 10,000 files. A bad file or a number that
+// occurs twice is also Fault::usage.
 Result<std::vector<Toss>> read_tosses(const std::string& folder);
 
 // Writes a file that read_toss() reads, with 9 decimals.
 Result<void> write_toss(const std::string& folder, const Toss& toss);
 
-// Subtracts half a sample of gravity from each upward velocity. The recorded velocity is the difference to the
-// previous position, so it is the velocity half a sample earlier.
+// Subtracts half a sample of gravity from each upward velocity. The recorded velocity is the difference to
+// the previous position, so it is the velocity half a sample earlier.
 void correct_velocities(std::vector<Toss>& tosses);
 
 }  // namespace kaz::contact
