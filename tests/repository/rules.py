@@ -185,7 +185,8 @@ LAYERS = {
         "vision_flow")},
     "tests/studies": {"common": ()} | {name: ("common",) for name in (
         "dynamics_table", "figure7", "gait", "joints", "servo", "step_length", "vision_table", "walking")} |
-        {"balance": ("common", "walking"), "map_table": ("common", "vision_table")},
+        {"balance": ("common", "walking"), "contact": ("balance", "common"),
+         "map_table": ("common", "vision_table")},
     "tests/system": {
         "campaign": (), "catching": (), "guest": (), "planted": (), "v4l2": (), "virtual_robot": (),
         "flash": (),

@@ -211,10 +211,12 @@ void OdeWorld::build_joint(Joint& out) {
   dJointSetFeedback(out.motor, &out.feedback);
 }
 
-void OdeWorld::kick(int number, const Eigen::Vector3d& velocity) {
+void OdeWorld::kick(int number, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) {
   const Eigen::Vector3d v = velocity_of(body(number)) + velocity;
+  const Eigen::Vector3d w = to_eigen(dBodyGetAngularVel(body(number))) + spin;
   sleep_.wake(body(number));
   dBodySetLinearVel(body(number), v.x(), v.y(), v.z());
+  dBodySetAngularVel(body(number), w.x(), w.y(), w.z());
 }
 
 int OdeWorld::find_contacts() {

@@ -70,7 +70,7 @@ class OdeWorld final : public StagedWorld {
     return number < 0 ? nullptr : ode_bodies_[static_cast<std::size_t>(number)];
   }
   Eigen::Isometry3d moving_pose(int body) const override;
-  void kick(int body, const Eigen::Vector3d& velocity) override;
+  void kick(int body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) override;
   void make_contact_rows(const Contacts& contacts);
   void remember_contacts();
   void drive(std::size_t number);

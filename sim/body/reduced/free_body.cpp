@@ -56,6 +56,11 @@ void FreeBody::advance(const Eigen::Vector3d& velocity_after, const Eigen::Vecto
   place();
 }
 
+void FreeBody::spin(const Eigen::Vector3d& change) {
+  momentum_ += inertia() * change;
+  angular_velocity_ = turning(turn_);
+}
+
 void FreeBody::stop() {
   velocity.setZero();
   momentum_.setZero();

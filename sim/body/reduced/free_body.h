@@ -28,6 +28,7 @@ class FreeBody {
   // of the step. `flight` is true if no contact acted on the body.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
+  void spin(const Eigen::Vector3d& change);  // adds to the angular velocity, rad/s, world axes
   void stop();
 
   bool awake = true;

@@ -316,11 +316,12 @@ void ReducedWorld::read_imu(const Vector3d& velocity_before) {
   imu_.specific_force = to_sensor * ((imu_velocity() - velocity_before) / step_s_ - gravity_);
 }
 
-void ReducedWorld::kick(int body, const Vector3d& velocity) {
+void ReducedWorld::kick(int body, const Vector3d& velocity, const Vector3d& spin) {
   FreeBody& free = object(body);
   free.awake = true;
   free.left_s = SleepRule{}.after_s;
   free.velocity += velocity;
+  free.spin(spin);
 }
 
 Eigen::Isometry3d ReducedWorld::moving_pose(int body) const {

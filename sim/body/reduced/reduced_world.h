@@ -122,7 +122,7 @@ class ReducedWorld final : public StagedWorld {
   template <class A>
   void transfer(A& a);
   Eigen::Isometry3d moving_pose(int body) const override;
-  void kick(int body, const Eigen::Vector3d& velocity) override;
+  void kick(int body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) override;
   bool of_robot(int body) const {
     return body >= 0 && static_cast<std::size_t>(body) < robot_links_;
   }

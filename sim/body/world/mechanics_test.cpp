@@ -5,6 +5,7 @@
 
 #include "shared/base/angle.hpp"
 #include "sim/body/description/files_testing.h"
+#include "sim/body/world/plain_models_testing.h"
 #include "sim/body/world/staged_world.h"
 
 namespace kaz::sim {
@@ -127,6 +128,21 @@ TEST_P(Robot, KeepsItsMomentumInFreeFlight) {
   // Gyroscopic terms and arms are taken at the start of a step: a first-order error, w h = 1.2 % at
   // the motors' 12 rad/s.
   EXPECT_LT(worst, 0.02 * of_parts);
+}
+
+TEST_P(Robot, GivesAnObjectTheSpinOfAPush) {
+  WorldModel space;
+  space.gravity.setZero();
+  space.bodies.push_back(
+      test::thing(test::box("cube", 0.1, Eigen::Vector3d::Constant(0.05), {}), {0, 0, 2}));
+  const auto made = world(space);
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 3).normalized();
+  ASSERT_TRUE(made->accelerate("cube", {0.1, 0, 0}, 5 * axis));
+  for (int i = 0; i < 100; ++i) made->step({}, 10);
+  const Eigen::Isometry3d pose = made->pose().frames.back();
+  EXPECT_TRUE(pose.linear().isApprox(Eigen::AngleAxisd(0.5, axis).toRotationMatrix(), 1e-6));
+  EXPECT_NEAR(pose.translation().x(), 0.01, 1e-9);
+  EXPECT_FALSE(made->accelerate("cube", {0, 0, 0}, Eigen::Vector3d::Constant(NAN)));
 }
 
 // Two at a time step as one alone does.

@@ -80,7 +80,7 @@ void StagedWorld::take_due(const std::vector<StageModel::Kick>& kicks, std::size
     if (static_cast<std::size_t>(next.body) < robot_links_) {
       hand_pushes_.push_back({static_cast<std::uint32_t>(next.body), next.change});
     } else {
-      kick(next.body, next.change);
+      kick(next.body, next.change, Eigen::Vector3d::Zero());
     }
   }
 }
@@ -101,16 +101,18 @@ Result<void> StagedWorld::push(const std::string& link, const Eigen::Vector3d& i
   return {};
 }
 
-Result<void> StagedWorld::accelerate(const std::string& model, const Eigen::Vector3d& change) {
+Result<void> StagedWorld::accelerate(const std::string& model, const Eigen::Vector3d& change,
+                                     const Eigen::Vector3d& spin) {
   const auto object = model_->objects.find(model);
   if (object == model_->objects.end() ||
       !bodies()[static_cast<std::size_t>(object->second)].moves) {
     return fail(Fault::usage, "the world has no movable object `" + model + "`");
   }
-  if (!change.allFinite()) {
-    return fail(Fault::usage, "push on `" + model + "`: the velocity in m/s must be finite");
+  if (!change.allFinite() || !spin.allFinite()) {
+    return fail(Fault::usage,
+                "push on `" + model + "`: the velocities in m/s and rad/s must be finite");
   }
-  kick(object->second, change);
+  kick(object->second, change, spin);
   return {};
 }
 

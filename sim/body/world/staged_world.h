@@ -45,7 +45,8 @@ class StagedWorld : public World {
   Eigen::Isometry3d link_pose(const std::string& link) const override;
   Result<Eigen::Vector3d> object_position(const std::string& model) const override;
   Result<void> push(const std::string& link, const Eigen::Vector3d& impulse) override;
-  Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change) override;
+  Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change,
+                          const Eigen::Vector3d& spin = Eigen::Vector3d::Zero()) override;
   // Runs only the collision detection of step(), for benchmarks. Returns the number of contact points.
   virtual int find_contacts() = 0;
   const SolverDiagnostics& diagnostics() const override { return diagnostics_; }
@@ -71,8 +72,9 @@ class StagedWorld : public World {
   const std::vector<Body>& bodies() const { return model_->bodies; }
   // World pose of the link's frame, for bodies that move.
   virtual Eigen::Isometry3d moving_pose(int body) const = 0;
-  // Adds `velocity` (m/s, world axes) to the velocity of an object and wakes the object.
-  virtual void kick(int body, const Eigen::Vector3d& velocity) = 0;
+  // Adds `velocity` (m/s) and `spin` (rad/s), in world axes, to the velocities of an object and wakes the
+  // object.
+  virtual void kick(int body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) = 0;
   Eigen::Isometry3d body_pose(int body) const;  // world pose of the link's frame, for every body
   // Applies the kicks and pushes that are due at the current step.
   void kick_due();

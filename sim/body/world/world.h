@@ -160,10 +160,12 @@ class World {
   }
 
   // Adds `change` (m/s, world axes) to the velocity of an object, like a short push through the object's
-  // center of mass. Fails if no object has this name, the object is fixed, or this world does not support
-  // pushes.
-  virtual Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change) {
+  // center of mass, and `spin` (rad/s, world axes) to its angular velocity. Fails if no object has this name,
+  // the object is fixed, or this world does not support pushes.
+  virtual Result<void> accelerate(const std::string& model, const Eigen::Vector3d& change,
+                                  const Eigen::Vector3d& spin = Eigen::Vector3d::Zero()) {
     static_cast<void>(change);
+    static_cast<void>(spin);
     return fail(Fault::usage, "this world cannot push `" + model + "`; load one with World::load");
   }
 

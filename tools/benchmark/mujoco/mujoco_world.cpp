@@ -31,8 +31,8 @@ Result<std::unique_ptr<World>> MujocoWorld::make(const WorldModel& world, const 
                                                  const MotorParams& motor,
                                                  const WorldOptions& options,
                                                  MujocoSettings settings) {
-  const bool slides = std::ranges::any_of(
-      robot.joints, [](const RobotJoint& joint) { return joint.pinion_m > 0; });
+  const bool slides =
+      std::ranges::any_of(robot.joints, [](const RobotJoint& joint) { return joint.pinion_m > 0; });
   if (slides || robot.motors() != robot.joints.size() || !world.joints.empty())
     return fail(Fault::usage,
                 "the MuJoCo model has no prismatic joints, no joints that follow others, and no "
@@ -88,9 +88,15 @@ Eigen::Isometry3d MujocoWorld::moving_pose(int body) const {
   return pose;
 }
 
-void MujocoWorld::kick(int body, const Eigen::Vector3d& velocity) {
-  const int joint = mujoco_->body_jntadr[body_ids_[static_cast<std::size_t>(body)]];
-  for (int k = 0; k < 3; ++k) data_->qvel[mujoco_->jnt_dofadr[joint] + k] += velocity[k];
+void MujocoWorld::kick(int body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) {
+  const int id = body_ids_[static_cast<std::size_t>(body)];
+  mjtNum* to = data_->qvel + mujoco_->jnt_dofadr[mujoco_->body_jntadr[id]];
+  // MuJoCo's angular velocity of a free joint is in the body's axes.
+  const Eigen::Vector3d own = moving_pose(body).linear().transpose() * spin;
+  for (int k = 0; k < 3; ++k) {
+    to[k] += velocity[k];
+    to[3 + k] += own[k];
+  }
 }
 
 void MujocoWorld::push_links() {

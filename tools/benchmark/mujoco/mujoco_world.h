@@ -55,7 +55,7 @@ class MujocoWorld final : public StagedWorld {
               const WorldOptions& options);
   Result<void> compile(const WorldModel& world, const RobotModel& robot, MujocoSettings settings);
   Eigen::Isometry3d moving_pose(int body) const override;
-  void kick(int body, const Eigen::Vector3d& velocity) override;
+  void kick(int body, const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin) override;
   void push_links();
   void read_joints();
 
