@@ -28,6 +28,8 @@ class FreeBody {
   // of the step. `flight` is true if no contact acted on the body.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
+  // Sets the velocities after an impact at the present pose.
+  void strike(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after);
   void stop();
 
   bool awake = true;
@@ -47,6 +49,7 @@ class FreeBody {
 
  private:
   void place();
+  void add_spin(const Eigen::Vector3d& change);
   Eigen::Vector3d turning(const Eigen::Quaterniond& turn) const;
 
   double mass_;
