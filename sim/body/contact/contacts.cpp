@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/body/contact/capsule_contact.h"
 #include "sim/body/contact/contact_surface.h"
 #include "sim/body/description/convex_hull.h"
 
@@ -298,6 +299,23 @@ bool Contacts::touch_faces(std::size_t a, std::size_t b, double depth, Eigen::Ve
   return true;
 }
 
+// A capsule on a face of a box. ODE finds only one point of the line, and another one in each step, so the
+// capsule would rock. `touch` has the normal; `sign` is 1 if it points to the capsule. False: no such line.
+bool Contacts::touch_lying(std::size_t capsule, std::size_t box, double sign, Touch touch) {
+  const Geom& round = model_->geoms()[capsule];
+  std::array<DeepPoint, 2> ends;
+  if (!capsule_on_face({at(capsule), axes(capsule).col(2) * round.half.y(), round.size.x()},
+                       {nullptr, model_->geoms()[box].half, axes(box), at(box)},
+                       sign * touch.normal, ends))
+    return false;
+  for (const auto& [point, depth] : ends) {
+    touch.at = point;
+    touch.depth = depth;
+    touches_.push_back(touch);
+  }
+  return true;
+}
+
 void Contacts::touch(std::size_t a, std::size_t b) {
   std::array<dContactGeom, kContactsPerPair> found;
   const int count = dCollide(placed(of_a_, a), placed(of_b_, b), kContactsPerPair, found.data(),
@@ -311,6 +329,12 @@ void Contacts::touch(std::size_t a, std::size_t b) {
       touch_faces(a, b, found[0].depth, to_eigen(found[0].normal)))
     return;
   Touch touch = contact_of(a, b);
+  touch.normal = to_eigen(found[0].normal);
+  const auto lies_on = [](const Geom& one, const Geom& other) {
+    return one.kind == Shape::Kind::capsule && other.kind == Shape::Kind::box;
+  };
+  if (lies_on(geom_a, geom_b) && touch_lying(a, b, 1, touch)) return;
+  if (lies_on(geom_b, geom_a) && touch_lying(b, a, -1, touch)) return;
   for (int i = 0; i < count; ++i) {
     const dContactGeom& point = found[static_cast<std::size_t>(i)];
     touch.at = to_eigen(point.pos);

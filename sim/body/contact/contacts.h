@@ -101,6 +101,7 @@ class Contacts {
   void rest(std::size_t hull, const ContactModel::Plane& plane);
   void touch(std::size_t a, std::size_t b);
   bool touch_faces(std::size_t a, std::size_t b, double depth, Eigen::Vector3d normal);
+  bool touch_lying(std::size_t capsule, std::size_t box, double sign, Touch touch);
   void add_spanning(Touch touch);
 
   const ContactModel* model_ = nullptr;

@@ -74,8 +74,8 @@ void VelocitySolver::add_point(const Point& point) {
   contact.impulse.setZero();
 }
 
-// Tangential compliance of a point: its `give`, or kGive times the mobility of the bodies along each row,
-// estimated as sum_k J_k^2 / M_kk (diagonal of M only; overestimates by a small factor). m/s per N s,
+// Tangential compliance of a point: its `give`, or give_share times the mobility of the bodies along each
+// row, estimated as sum_k J_k^2 / M_kk (diagonal of M only; overestimates by a small factor). m/s per N s,
 // rad/s per N m s.
 void VelocitySolver::set_give(Contact& contact) {
   const Point& point = contact.point;
@@ -101,8 +101,8 @@ void VelocitySolver::set_give(Contact& contact) {
       yields += u.cwiseAbs2() / matrix_.inertia(segment.first + k);
     }
   }
-  contact.firmness = 1 / (point.give > 0 ? point.give : kGive * std::max(yields[1], yields[2]));
-  contact.moment_firm = 1 / (kGive * yields.tail<3>().maxCoeff());
+  contact.firmness = 1 / (point.give > 0 ? point.give : point.give_share * std::max(yields[1], yields[2]));
+  contact.moment_firm = 1 / (point.give_share * yields.tail<3>().maxCoeff());
 }
 
 // Relative motion J x of a pair about its point of reference, world axes.

@@ -48,7 +48,7 @@ Eigen::Vector3d FreeBody::turning(const Eigen::Quaterniond& turn) const {
 // solver's contact constraints hold. Rotation: midpoint rule on w = R I^-1 R^T L, second order.
 void FreeBody::advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                        bool flight, double step_s) {
-  momentum_ += axes_ * (inertia_ * (axes_.transpose() * (angular_after - angular_velocity_)));
+  add_spin(angular_after - angular_velocity_);
   com += step_s * (flight ? Eigen::Vector3d((velocity + velocity_after) / 2) : velocity_after);
   velocity = velocity_after;
   const Eigen::Quaterniond halfway = turned(turn_, step_s / 2 * turning(turn_));
@@ -56,9 +56,14 @@ void FreeBody::advance(const Eigen::Vector3d& velocity_after, const Eigen::Vecto
   place();
 }
 
-void FreeBody::spin(const Eigen::Vector3d& change) {
-  momentum_ += inertia() * change;
-  angular_velocity_ = turning(turn_);
+void FreeBody::add_spin(const Eigen::Vector3d& change) {
+  momentum_ += axes_ * (inertia_ * (axes_.transpose() * change));
+}
+
+void FreeBody::strike(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after) {
+  add_spin(angular_after - angular_velocity_);
+  velocity = velocity_after;
+  place();
 }
 
 void FreeBody::stop() {

@@ -28,7 +28,8 @@ class FreeBody {
   // of the step. `flight` is true if no contact acted on the body.
   void advance(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after,
                bool flight, double step_s);
-  void spin(const Eigen::Vector3d& change);  // adds to the angular velocity, rad/s, world axes
+  // Sets the velocities after an impact or a push at the present pose: m/s and rad/s, world axes.
+  void strike(const Eigen::Vector3d& velocity_after, const Eigen::Vector3d& angular_after);
   void stop();
 
   bool awake = true;
@@ -48,6 +49,7 @@ class FreeBody {
 
  private:
   void place();
+  void add_spin(const Eigen::Vector3d& change);
   Eigen::Vector3d turning(const Eigen::Quaterniond& turn) const;
 
   double mass_;

@@ -17,7 +17,7 @@ void ReducedWorld::measure_forces(Work& work) {
     const Touch& touch = work.contacts.touches()[work.pushes[i].touch];
     const bool a = of_robot(touch.body_a), b = of_robot(touch.body_b);
     if (!a && !b) continue;
-    const VelocitySolver::Impulse l = work.solver.impulse(i) / step_s_;
+    const VelocitySolver::Impulse l = work.impulse(i) / step_s_;
     const Vector3d force = work.pushes[i].basis * l.head<3>();
     const Vector3d moment = work.pushes[i].basis * Vector3d(l[5], l[3], l[4]);
     if (a != b) {
@@ -50,8 +50,9 @@ void ReducedWorld::measure_loads(Work& work) {
     outer.linear += force;
     outer.angular += (tree_.com(link) - tree_.root_at).cross(force);
   }
+  const std::vector<double>& before = work.struck.empty() ? tree_.velocity : work.unstruck;
   for (std::size_t i = 0; i < work.acceleration.size(); ++i)
-    work.acceleration[i] = (work.velocity[i] - tree_.velocity[i]) / step_s_;
+    work.acceleration[i] = (work.velocity[i] - before[i]) / step_s_;
   tree_.joint_forces(work.halfway, work.acceleration, gravity_, work.outer);
   for (std::size_t i = 0; i < joint_loads_.size(); ++i) {
     const int link = tree_.link_of_dof(layout_->joints[i].dof);

@@ -180,18 +180,22 @@ const ReducedWorld::Meeting& ReducedWorld::meeting_of(Work& work, const Touch& t
   return work.meetings.back();
 }
 
-// Row of a contact point (contact_surface.h): target velocity = erp / h (depth - kContactLayer), limited to
-// kContactMaxCorrection, or restitution times the approach velocity if that is larger; friction from the
-// stored shear (soft surfaces) or from the impulse of the step before (hard ones).
-void ReducedWorld::make_contact_row(Work& work, std::size_t number) {
+void ReducedWorld::begin_rows(Work& work) const {
+  write_inertia(work);
+  work.pushes.clear();
+  work.meetings.clear();
+}
+
+// Fills in place, friction coefficients and softness of a contact point. False: none of the bodies can move.
+bool ReducedWorld::place_point(Work& work, std::size_t number,
+                               VelocitySolver::Point& point) const {
   const Touch& touch = work.contacts.touches()[number];
   const auto moves = [this](int body) {
     return of_robot(body) || (body >= 0 && object(body).awake);
   };
-  if (!moves(touch.body_a) && !moves(touch.body_b)) return;
+  if (!moves(touch.body_a) && !moves(touch.body_b)) return false;
   const Meeting& meeting = meeting_of(work, touch);
-  if (meeting.pair < 0) return;
-  VelocitySolver::Point point;
+  if (meeting.pair < 0) return false;
   point.pair = meeting.pair;
   point.arm = touch.at - meeting.about;
   point.basis.col(0) = touch.normal;
@@ -202,14 +206,28 @@ void ReducedWorld::make_contact_row(Work& work, std::size_t number) {
       softness_for(step_s_, kContactErp, std::max(surface.softness, kMinSoftness)) / step_s_;
   point.mu = surface.mu;
   point.rolling = surface.rolling_resistance;
+  return true;
+}
+
+void ReducedWorld::add_point(Work& work, std::size_t number, const VelocitySolver::Point& point) {
+  work.solver.add_point(point);
+  work.pushes.push_back({number, point.basis});
+}
+
+// Row of a contact point (contact_surface.h): target velocity = erp / h (depth - kContactLayer), limited to
+// kContactMaxCorrection; friction from the stored shear (soft surfaces) or from the impulse of the step
+// before (hard ones). A body that bounces leaves the surface by itself: the target does not speed it up.
+void ReducedWorld::make_contact_row(Work& work, std::size_t number) const {
+  VelocitySolver::Point point;
+  if (!place_point(work, number, point)) return;
+  const Touch& touch = work.contacts.touches()[number];
+  const Surface& surface = touch.surface;
   point.target =
       std::min(erp_for(step_s_, kContactErp) / step_s_ * std::max(0.0, touch.depth - kContactLayer),
                kContactMaxCorrection);
   if (surface.restitution > 0) {
-    const double approach =
-        touch.normal.dot(velocity_at(touch.body_b, touch.at) - velocity_at(touch.body_a, touch.at));
-    if (approach > surface.bounce_threshold)
-      point.target = std::max(point.target, surface.restitution * approach);
+    const double leaving = -approach(touch);
+    if (leaving > step_s_ * pressing(touch)) point.target = std::min(point.target, leaving);
   }
   const bool soft = ContactMemory::has_shear(touch);
   if (!soft || point.rolling > 0) point.before = recall(touch, point.basis);
@@ -220,8 +238,7 @@ void ReducedWorld::make_contact_row(Work& work, std::size_t number) {
     point.give = point.softness;
     point.before.segment<2>(1) = (point.basis.transpose() * stretch).tail<2>();
   }
-  work.solver.add_point(point);
-  work.pushes.push_back({number, point.basis});
+  add_point(work, number, point);
 }
 
 Vector3d ReducedWorld::velocity_at(int body, const Vector3d& point) const {

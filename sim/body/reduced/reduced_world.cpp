@@ -121,10 +121,19 @@ void ReducedWorld::settle_sleep(Work& work) {
   }
 }
 
+void ReducedWorld::run_solver(Work& work) {
+  work.solver.solve(work.momentum, work.velocity, kExact, kMaxSteps);
+  effort_ = {work.solver.steps(), work.solver.residual()};
+  if (work.solver.residual() <= kSettled) return;
+  if (diagnostics_.unconverged_steps++ == 0) diagnostics_.first_s = time_s();
+  diagnostics_.last_s = time_s();
+  diagnostics_.max_residual = std::max(diagnostics_.max_residual, work.solver.residual());
+  diagnostics_.drift += work.solver.residual() * step_s_;
+}
+
 void ReducedWorld::solve(Work& work) {
-  write_inertia(work);
-  work.pushes.clear();
-  work.meetings.clear();
+  strike(work);
+  begin_rows(work);
   shear_.recall(work.contacts.touches());
   for (std::size_t i = 0; i < work.contacts.touches().size(); ++i) make_contact_row(work, i);
   make_joint_rows(work);
@@ -133,14 +142,7 @@ void ReducedWorld::solve(Work& work) {
   work.solver.close();
   write_momentum(work);
   velocity_before_ = tree_.velocity;
-  work.solver.solve(work.momentum, work.velocity, kExact, kMaxSteps);
-  effort_ = {work.solver.steps(), work.solver.residual()};
-  if (!(work.solver.residual() <= kSettled)) {
-    if (diagnostics_.unconverged_steps++ == 0) diagnostics_.first_s = time_s();
-    diagnostics_.last_s = time_s();
-    diagnostics_.max_residual = std::max(diagnostics_.max_residual, work.solver.residual());
-    diagnostics_.drift += work.solver.residual() * step_s_;
-  }
+  run_solver(work);
 }
 
 // Explicit position update q += seconds v with the tree's velocities, which it does not change.
@@ -196,8 +198,9 @@ void ReducedWorld::advance(Work& work) {
                       step_s_);
     }
     if (l[0] > 0) memory_.push_back({touch.shape_a, touch.shape_b, touch.at, impulse, moment});
+    const bool leaves = l[0] <= 0 && touch.surface.restitution > 0;
     for (const auto& [body, sign] : {std::pair{touch.body_a, 1.0}, {touch.body_b, -1.0}}) {
-      if (body < 0) continue;
+      if (body < 0 || leaves) continue;
       if (!of_robot(body)) {
         work.flies[static_cast<std::size_t>(body) - robot_links_] = false;
         continue;
@@ -209,7 +212,8 @@ void ReducedWorld::advance(Work& work) {
     }
     if (!watch_) continue;
     watched_.push_back({model_->contacts.name(touch.shape_a), model_->contacts.name(touch.shape_b),
-                        touch.at, impulse / step_s_});
+                        touch.at,
+                        work.pushes[i].basis * work.impulse(i).head<3>() / step_s_});
   }
   momentum.linear += step_s_ * tree_.mass() * gravity_;
   for (const HandPush& push : hand_pushes_) {
@@ -320,8 +324,7 @@ void ReducedWorld::kick(int body, const Vector3d& velocity, const Vector3d& spin
   FreeBody& free = object(body);
   free.awake = true;
   free.left_s = SleepRule{}.after_s;
-  free.velocity += velocity;
-  free.spin(spin);
+  free.strike(free.velocity + velocity, free.angular_velocity() + spin);
 }
 
 Eigen::Isometry3d ReducedWorld::moving_pose(int body) const {

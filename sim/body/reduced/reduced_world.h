@@ -3,7 +3,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // docs/explanation/dynamics.md describes the formulation. A step of h seconds begins with coordinates q and
-// velocities v and consists of four parts:
+// velocities v. If surfaces with restitution hit each other, the impact changes v (reduced_impact.cpp). Then
+// the step consists of four parts:
 //   1. Find the contacts (contacts.h) and compute the row of each joint's motor (joint_motor.h).
 //   2. Solve for the velocities by Newton's method (velocity_solver.h). The bias c is computed for the
 //      velocity in the middle of the step. This velocity is extrapolated from the velocities at the beginning
@@ -116,7 +117,17 @@ class ReducedWorld final : public StagedWorld {
     std::vector<int> coordinate_of;
     std::vector<Meeting> meetings;
     std::vector<Push> pushes;  // indexed by contact point of the solver
-    std::vector<bool> flies;   // for each object: true if the object has no contacts
+    // For each object: true if the object has no contacts, or only leaves surfaces with restitution.
+    std::vector<bool> flies;
+    // reduced_impact.cpp
+    std::vector<VelocitySolver::Impulse> struck;  // indexed like `pushes`; empty: no impact
+    std::vector<double> unstruck;                 // velocities before the impact
+    std::vector<double> elastic, product, share;
+    // Impulse in this step, with that of an impact.
+    VelocitySolver::Impulse impulse(std::size_t push) const {
+      const VelocitySolver::Impulse& l = solver.impulse(push);
+      return struck.empty() ? l : VelocitySolver::Impulse(l + struck[push]);
+    }
   };
 
   template <class A>
@@ -137,7 +148,16 @@ class ReducedWorld final : public StagedWorld {
   void write_inertia(Work& work) const;
   void write_momentum(Work& work);
   VelocitySolver::Impulse recall(const Touch& touch, const Eigen::Matrix3d& basis) const;
-  void make_contact_row(Work& work, std::size_t number);
+  void begin_rows(Work& work) const;
+  bool place_point(Work& work, std::size_t number, VelocitySolver::Point& point) const;
+  static void add_point(Work& work, std::size_t number, const VelocitySolver::Point& point);
+  void make_contact_row(Work& work, std::size_t number) const;
+  // reduced_impact.cpp
+  double pressing(const Touch& touch) const;
+  double approach(const Touch& touch) const;
+  double bounce(const Touch& touch) const;
+  void strike(Work& work);
+  void limit_energy(Work& work);
   const Meeting& meeting_of(Work& work, const Touch& touch) const;
   void make_pair(Work& work, const Touch& touch) const;
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point) const;
@@ -155,6 +175,7 @@ class ReducedWorld final : public StagedWorld {
                              const Eigen::Vector3d& along, bool turns) const;
   static double tie_velocity(const Work& work, const VelocitySolver::Tie& tie);
   void read_passive_joints();
+  void run_solver(Work& work);
   void solve(Work& work);
   void read_servo_torques(Work& work);
   bool can_move(const Work& work);

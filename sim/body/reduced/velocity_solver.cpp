@@ -48,6 +48,16 @@ void VelocitySolver::begin(int coordinates) {
   ties_.clear();
 }
 
+void VelocitySolver::hold(std::span<const double> v) {
+  const auto hold_row = [](auto& row, double u) {
+    row.target = row.min == 0 ? std::min(row.target, u) : u;
+    row.min = std::min(row.min, 0.0);
+    row.max = std::max(row.max, 0.0);
+  };
+  for (Bounded& row : bounded_) hold_row(row, row.sign * v[at(row.coordinate)]);
+  for (TieRow& row : ties_) hold_row(row.tie, along(row.tie, v.data()));
+}
+
 void VelocitySolver::close() {
   for (Contact& contact : points_) set_give(contact);
   for (TieRow& row : ties_) set_give(row.tie);

@@ -83,8 +83,8 @@ class VelocitySolver {
     double target = 0;    // target of the normal velocity, m/s
     double softness = 0;  // m/s per N s, above 0
     double mu = 0;
-    // Tangential compliance, m/s per N s. 0: the solver uses kGive times the mobility of the bodies.
-    double give = 0;
+    // Tangential compliance, m/s per N s. 0: the solver uses give_share times the mobility of the bodies.
+    double give = 0, give_share = kGive;
     double rolling = 0;  // rolling resistance, m; 0: no moments
     // Impulse of this contact point in the last step, N s and N m s.
     Impulse before = Impulse::Zero();
@@ -127,8 +127,13 @@ class VelocitySolver {
   void add_bounded(const Bounded& row) { bounded_.push_back(row); }
   void add_tie(const Tie& tie);
 
+  // Sets the targets of the bounded rows and ties so that these rows exert no impulse at the velocities v.
+  // Rows with a lower bound of 0 only get smaller targets.
+  void hold(std::span<const double> v);
   // Call after the last row was added and before multiply() and solve().
   void close();
+  // Changes Point::target. solve() may be called again afterward.
+  void set_target(std::size_t point, double target) { points_[point].point.target = target; }
   // Computes out = M x.
   void multiply(const double* x, double* out) const;
   // Solves for `v`, which contains the initial guess on entry. `momentum` is the vector p in the first
@@ -139,6 +144,11 @@ class VelocitySolver {
              int max_steps);
 
   std::size_t points() const { return points_.size(); }
+  // Index into matrix().islands().
+  int island_of(std::size_t point) const {
+    const Pair& pair = pairs_[static_cast<std::size_t>(points_[point].point.pair)];
+    return matrix_.island_of(pair.segments.front().first);
+  }
   const Impulse& impulse(std::size_t point) const { return points_[point].impulse; }
   // Returns the relative velocity of two bodies at a contact point after the step. The first three
   // components are velocities (m/s) along the normal and two tangents. The last three components are angular
