@@ -87,13 +87,20 @@ Result<void> MjcfShapes::add(int body, RigidLink& rigid, std::vector<FileNote>& 
 Result<void> MjcfShapes::add_geom(int geom, RigidLink& rigid) {
   if (model_.geom_friction[3 * geom] < 0)
     object(geom, mjcf_name(element_of(geom)) + " has a negative `friction`; correct it");
-  if (const char* name = mjcf_mesh_of(mjcf_.source, element_of(geom))) {
+  if (const char* name = element_of(geom).Attribute("mesh")) {
     const auto mesh = mjcf_.meshes.find(name);
+    const bool is_primitive = mjcf_mesh_of(mjcf_.source, element_of(geom)) == nullptr;
+    if (mesh != mjcf_.meshes.end() && is_primitive && !mesh->second.path.empty())
+      return add_primitive(geom, rigid);
     if (mesh != mjcf_.meshes.end()) return add_mesh(geom, mesh->second, rigid);
     object(geom, "<geom> refers to mesh `" + std::string(name) +
                      "`, which does not exist; check the spelling");
     return {};
   }
+  return add_primitive(geom, rigid);
+}
+
+Result<void> MjcfShapes::add_primitive(int geom, RigidLink& rigid) {
   const auto shape =
       mjcf_primitive(model_.geom_type[geom], mjcf_vector(model_.geom_size + 3 * geom));
   if (!shape) {

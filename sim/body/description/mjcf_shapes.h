@@ -35,6 +35,7 @@ class MjcfShapes {
 
  private:
   Result<void> add_geom(int geom, RigidLink& rigid);
+  Result<void> add_primitive(int geom, RigidLink& rigid);
   Result<void> add_mesh(int geom, const MjcfMesh& mesh, RigidLink& rigid);
   const tinyxml2::XMLElement& element_of(int geom) const;
   void add_collision(int geom, CollisionShape shape, RigidLink& rigid) const;
