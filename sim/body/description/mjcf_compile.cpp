@@ -88,21 +88,10 @@ class Rewriter {
       Element* copied = copy(*e, *known);
       to.InsertEndChild(copied);
       if (in_body && name == "body") body(*e, *copied);
-      if (in_body && name.ends_with("joint")) joint(*e, to, *copied);
+      if (in_body && e->Attribute("name") != nullptr && name.ends_with("joint"))
+        out_.joints.emplace(e->Attribute("name"), e);
       children(*e, *copied);
     }
-  }
-
-  void joint(const Element& e, const Element& body, Element& copied) {
-    std::string name = e.Attribute("name") == nullptr ? "" : e.Attribute("name");
-    if (name.empty()) {
-      const std::string own = body.Attribute("name") == nullptr ? "world" : body.Attribute("name");
-      name = own + "_joint";
-      for (int n = 2; out_.joints.contains(name); ++n)
-        name = own + "_joint" + std::to_string(n);
-      copied.SetAttribute("name", name.c_str());
-    }
-    out_.joints.emplace(name, &e);
   }
 
   void body(const Element& e, Element& copied) {

@@ -52,14 +52,6 @@ TEST_F(FieldMjcf, JointsOfOneBodyActInTheirOrder) {
   EXPECT_TRUE(model.links[3].at_zero.translation().isApprox(Eigen::Vector3d(0, 0, 1)));
 }
 
-TEST_F(FieldMjcf, JointsWithoutANameAreNamedByTheirBody) {
-  const RobotModel model =
-      accepted(std::string("<body name='arm'>") + kHeavy + "<joint axis='1 0 0'/><joint/></body>");
-  ASSERT_EQ(model.joints.size(), 2u);
-  EXPECT_EQ(model.joints[0].name, "arm_joint");
-  EXPECT_EQ(model.joints[1].name, "arm_joint2");
-}
-
 TEST_F(FieldMjcf, TendonDividesTheForceOfItsActuator) {
   const std::string tendon =
       "<tendon><fixed name='split'><joint joint='a_joint' coef='0.5'/>"

@@ -18,8 +18,8 @@ class MjcfJoints {
   // Completes the joints of `robot`, which have names, axes and links. Adds limits, losses, efforts,
   // couplings and the order. The effort is the sum of the actuators' forces, also by tendons, at most
   // `actuatorfrcrange`. If the model has actuators, joints without one get a motor and a note. If two joints
-  // are coupled, the joint with an actuator leads. Objections: couplings that are not linear, and joints that
-  // follow two joints or each other.
+  // are coupled, the joint with an actuator leads. Objections: joints without a name, couplings that are not
+  // linear, and joints that follow two joints or each other.
   void finish(RobotModel& robot);
 
  private:

@@ -96,6 +96,7 @@ TEST_F(MjcfFile, RefusesClosedLoopsAndNamesTheCouplingThatCanReplaceThem) {
 TEST_F(MjcfFile, RefusesJointsWithSeveralDegreesOfFreedom) {
   for (const auto& [joint, message] : std::vector<std::pair<std::string, std::string>>{
            {"name='j' type='ball'", ":4: body `arm` has a ball joint, which is not supported"},
+           {"axis='0 0 1'", ":4: <joint> has no name; Kaz's joints have names"},
            {"name='l'/><joint type='ball'", ":4: body `arm` has a ball joint"}}) {
     TwoBodies robot;
     robot.trunk += "<body name='b'><joint name='k'/>" + std::string(kMass) + "</body>";

@@ -22,7 +22,7 @@ using Element = tinyxml2::XMLElement;
 // Bounds against wrong units, such as millimetres for metres.
 constexpr double kLargest = 10;           // m
 constexpr double kHeaviest = 500;         // kg
-constexpr double kLargestTurn = 100;      // rad
+constexpr double kLargestTurn = 100;      // rad, and m of a prismatic joint
 constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest distance
 // Maximum depth: the tree is traversed recursively.
 constexpr std::size_t kMaxLinks = 500;
@@ -336,10 +336,10 @@ class Check {
       const double value = sound(limit) ? std::abs(number_of(*limit, side, 0)) : 0;
       if (value >= kStatedUnlimited)
         note(*limit, std::string(side) + " limit of joint `" + name + "` (1000 and more: no limit)");
-      else if (value > (slides ? kLargest : kLargestTurn))
+      else if (value > kLargestTurn)
         object(*limit, std::string(side) + " limit of joint `" + name + "` is " +
                            limit->Attribute(side) +
-                           (slides ? " m; limits are from -10 to 10 m"
+                           (slides ? " m; limits are from -100 to 100 m"
                                    : " rad; limits are from -100 to 100 rad"));
     }
     for (const char* least : {"effort", "velocity"}) {
