@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 #include <mujoco/mjmodel.h>
 
-#include "sim/body/description/mesh_collision.h"
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
@@ -122,14 +120,7 @@ Result<void> MjcfShapes::add_primitive(int geom, RigidLink& rigid) {
 Result<void> MjcfShapes::add_mesh(int geom, const MjcfMesh& mesh, RigidLink& rigid) {
   if (mesh.path.empty()) return {};
   if (collides(geom)) {
-    std::ostringstream key;
-    key << mesh.path << ' ' << mesh.scale.transpose();
-    auto found = around_.find(key.str());
-    if (found == around_.end()) {
-      const auto shape = KAZ_TRY(mesh_collision(mesh.path, mesh.scale, options_.mesh_collision));
-      found = around_.emplace(key.str(), shape).first;
-    }
-    add_collision(geom, found->second, rigid);
+    add_collision(geom, KAZ_TRY(shapes_.around(mesh.path, mesh.scale)), rigid);
   }
   Shape shape;
   shape.kind = Shape::Kind::mesh;

@@ -57,7 +57,8 @@ Rgb color_of(const Element& material) {
 
 class Reader {
  public:
-  Reader(const Urdf& urdf, const ReadOptions& options) : urdf_(urdf), options_(options) {}
+  Reader(const Urdf& urdf, const ReadOptions& options)
+      : urdf_(urdf), options_(options), shapes_(options.mesh_collision) {}
 
   Result<RobotModel> read() {
     const char* name = urdf_.file.root().Attribute("name");
@@ -179,6 +180,8 @@ class Reader {
     if (!options_.body) return rigid;
     const Element& link = *urdf_.links.at(name);
     if (const Element* inertial = link.FirstChildElement("inertial")) add_mass(*inertial, rigid);
+    if (const auto scale = urdf_.inertia_scales.find(name); scale != urdf_.inertia_scales.end())
+      rigid.inertia *= scale->second;
     for (const Element* e = link.FirstChildElement("collision"); e;
          e = e->NextSiblingElement("collision"))
       KAZ_TRY(add_collision(*e, rigid));
@@ -225,12 +228,12 @@ class Reader {
     return shape;
   }
 
-  Result<void> add_collision(const Element& e, RigidLink& rigid) const {
+  Result<void> add_collision(const Element& e, RigidLink& rigid) {
     const auto found = shape_of(e);
     if (!found) return {};
     CollisionShape shape;
     if (found->kind == Shape::Kind::mesh)
-      shape = KAZ_TRY(mesh_collision(found->mesh_path, found->size, options_.mesh_collision));
+      shape = KAZ_TRY(shapes_.around(found->mesh_path, found->size));
     else
       shape.shape = *found;
     shape.in_link = pose_of(e) * shape.in_link;
@@ -310,6 +313,7 @@ class Reader {
   std::map<std::string, std::vector<const Element*>>
       children_;                     // joints, by the name of their parent
   std::vector<std::string> joints_;  // names of turning joints, in the order of RobotModel::joints
+  MeshShapes shapes_;
   RobotModel robot_;
 };
 

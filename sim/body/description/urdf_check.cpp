@@ -240,6 +240,13 @@ class Check {
     note(e, "rule of the principal moments in link `" + link + "` (one exceeds the sum of the others)");
   }
 
+  // Reads each file once: robots repeat meshes.
+  std::optional<std::string> error_of_mesh(const std::string& path) {
+    const auto known = mesh_errors_.find(path);
+    if (known != mesh_errors_.end()) return known->second;
+    return mesh_errors_[path] = mesh_error(path);
+  }
+
   void mesh(const Element& e) {
     const char* name = e.Attribute("filename");
     if (name == nullptr) return spoil(e, "<mesh> lacks the attribute `filename`");
@@ -249,7 +256,7 @@ class Check {
       urdf_.shapeless.insert(&e);
       return note(e, what);
     }
-    const auto error = path ? mesh_error(*path) : path.error().message;
+    const auto error = path ? error_of_mesh(*path) : path.error().message;
     if (!error) return;
     if (!is_drawn_only(e) || !(path && mesh_exists(*path))) return spoil(e, what + " " + *error);
     urdf_.shapeless.insert(&e);
@@ -408,6 +415,7 @@ class Check {
   const ReadOptions& options_;
   Objections objections_;
   std::set<const Element*> spoiled_;
+  std::map<std::string, std::optional<std::string>> mesh_errors_;  // by path
   std::map<std::string, std::string> parent_of_;
   const Element* floating_ = nullptr;
   bool joints_sound_ = true;
@@ -434,7 +442,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
 }
 
 Result<Urdf> check_urdf(XmlFile file, const ReadOptions& options) {
-  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}, {}};
+  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;
 }

@@ -37,6 +37,7 @@ struct Urdf {
   std::string root;                        // name of the root link
   std::map<std::string, double> friction;  // coefficient mu of each link that states one
   std::set<const tinyxml2::XMLElement*> shapeless;  // parts of <geometry> that are left out
+  std::map<std::string, double> inertia_scales;  // PyBullet's factor of each link that states one
   std::vector<FileNote> notes;
   std::map<std::string, Mimic>
       mimics;  // by name of the follower; Mimic::joint does not follow a joint

@@ -134,11 +134,13 @@ TEST_F(FieldUrdf, MeshesThatCannotBeReadAreOnlyNeededForCollisions) {
 TEST_F(FieldUrdf, FrictionOfPyBulletAndOldGazebo) {
   FieldRobot robot;
   const std::string ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
-  robot.middle += ball + "<contact><lateral_friction value='0.3'/><contact_cfm value='0'/></contact>";
+  robot.middle += ball + "<contact><lateral_friction value='0.3'/><inertia_scaling value='3'/>"
+                         "<contact_cfm value='0'/></contact>";
   robot.tip += ball;
   robot.more = "<gazebo reference='tip'><mu1 value='100'/><mu2 value='50'/></gazebo>";
   const RobotModel model = accepted(robot);
   EXPECT_EQ(model.links[1].rigid.collisions.at(0).surface.mu, 0.3);
+  EXPECT_DOUBLE_EQ(model.links[1].rigid.inertia(0, 0), 6e-3);
   EXPECT_EQ(model.links[2].rigid.collisions.at(0).surface.mu, 50);
   robot.more = "<gazebo reference='tip'><mu1>1.5</mu1><mu2>0.5</mu2></gazebo>";
   expect_refused(robot, "mu1 and mu2 must be equal");

@@ -62,8 +62,7 @@ inline constexpr UrdfElement kUrdfElements[] = {
     {"contact", "damping", Use::noted, true},
     {"contact", "friction_anchor", Use::noted, true},
     {"contact", "restitution", Use::refused, true, "", "", "Kaz's robots do not bounce; remove it"},
-    {"contact", "inertia_scaling", Use::refused, true, "", "",
-     "multiply the moments of <inertia>"},
+    {"contact", "inertia_scaling", Use::used, false, "value", ""},
 
     {"visual", "origin", Use::used, false, "xyz rpy quat_xyzw", ""},
     {"visual", "geometry", Use::used, false, "", "name"},

@@ -33,12 +33,15 @@ void read_gazebo(Urdf& urdf, const char* link, const SurfaceElement& gazebo, con
 void read_surfaces(Urdf& urdf, bool body, const UrdfRemark& object, const UrdfRemark& note) {
   for (const auto& [name, link] : urdf.links) {
     const SurfaceElement* contact = link->FirstChildElement("contact");
-    const SurfaceElement* e = contact ? contact->FirstChildElement("lateral_friction") : nullptr;
-    if (e == nullptr || !body) continue;
-    if (const auto mu = coefficient_in(*e))
-      urdf.friction[name] = *mu;
-    else
-      object(*e, "<lateral_friction> must have a `value` not below 0");
+    if (contact == nullptr || !body) continue;
+    for (const char* kind : {"lateral_friction", "inertia_scaling"}) {
+      const SurfaceElement* e = contact->FirstChildElement(kind);
+      const auto value = e == nullptr ? std::nullopt : coefficient_in(*e);
+      if (value)
+        (kind == std::string("lateral_friction") ? urdf.friction : urdf.inertia_scales)[name] = *value;
+      else if (e != nullptr)
+        object(*e, std::string("<") + kind + "> must have a `value` not below 0");
+    }
   }
   const SurfaceElement& root = urdf.file.root();
   for (auto* e = root.FirstChildElement("gazebo"); e; e = e->NextSiblingElement("gazebo")) {
