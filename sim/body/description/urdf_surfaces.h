@@ -8,9 +8,9 @@
 namespace kaz::sim {
 
 // Fills Urdf::friction from <gazebo reference="LINK"><mu1>, as Gazebo reads it, and from PyBullet's
-// <contact><lateral_friction>, and Urdf::inertia_scales from <contact><inertia_scaling>. Calls `object` for each error: an unknown link, a coefficient that is not a
-// number above or equal to 0, or two coefficients that differ. Calls `note` for other elements of <gazebo>.
-// If `body` is false, only notes are made.
+// <contact><lateral_friction>; fills Urdf::inertia_scales from <contact><inertia_scaling>. Calls `object` for
+// each error: an unknown link, a value that is not a number above or equal to 0, or two coefficients that
+// differ. Calls `note` for other elements of <gazebo>. If `body` is false, only notes are made.
 void read_surfaces(Urdf& urdf, bool body, const UrdfRemark& object, const UrdfRemark& note);
 
 }  // namespace kaz::sim
