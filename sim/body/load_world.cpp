@@ -97,8 +97,14 @@ Result<void> check_passive_joints(const WorldModel& world) {
   return {};
 }
 
-// ODE's hinges turn, and measure angles within half a turn.
+// ODE's bodies have mass. Its hinges turn, and measure angles within half a turn.
 Result<void> check_hinges(const RobotModel& robot) {
+  for (std::size_t i = robot.fixed_base ? 1 : 0; i < robot.links.size(); ++i) {
+    if (robot.links[i].rigid.mass > 0) continue;
+    return fail(Fault::usage, "link `" + robot.links[i].rigid.name +
+                                  "` has no mass, which only --dynamics reduced supports; leave "
+                                  "out --dynamics");
+  }
   for (const RobotJoint& joint : robot.joints) {
     if (joint.pinion_m > 0)
       return fail(Fault::usage, "joint `" + joint.name +

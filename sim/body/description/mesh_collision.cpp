@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <tuple>
 #include <vector>
 
@@ -56,6 +57,15 @@ Result<CollisionShape> mesh_collision(const std::string& path, const Eigen::Vect
   hull->mesh = {path, scale, -out.in_link.translation()};
   out.shape.hull = std::move(hull);
   return out;
+}
+
+Result<CollisionShape> MeshShapes::around(const std::string& path, const Eigen::Vector3d& scale) {
+  std::ostringstream key;
+  key << path << ' ' << scale.transpose();
+  auto found = known_.find(key.str());
+  if (found == known_.end())
+    found = known_.emplace(key.str(), KAZ_TRY(mesh_collision(path, scale, wanted_))).first;
+  return found->second;
 }
 
 }  // namespace kaz::sim

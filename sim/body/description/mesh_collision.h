@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "shared/base/result.hpp"
@@ -14,5 +15,18 @@ namespace kaz::sim {
 // each axis. A mesh in a plane gets a box instead of a hull. Errors: as read_mesh().
 Result<CollisionShape> mesh_collision(const std::string& path, const Eigen::Vector3d& scale,
                                       MeshCollision wanted);
+
+// Shapes in place of the meshes of one robot. Robots repeat meshes, such as those of their servos: each file
+// is read once, and its hull is shared.
+class MeshShapes {
+ public:
+  explicit MeshShapes(MeshCollision wanted) : wanted_(wanted) {}
+  // As mesh_collision().
+  Result<CollisionShape> around(const std::string& path, const Eigen::Vector3d& scale);
+
+ private:
+  MeshCollision wanted_;
+  std::map<std::string, CollisionShape> known_;  // by path and scale
+};
 
 }  // namespace kaz::sim

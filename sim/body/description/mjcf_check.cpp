@@ -38,7 +38,7 @@ constexpr NumberCount kMjcfCounts[] = {
     {"gear", 1, 6},
     {"gainprm biasprm", 1, 10},
 };
-constexpr double kLargestMjcfNumber = 1e6;
+constexpr double kLargestMjcfNumber = 1e12;  // a lock by damping has 1e11
 
 // Returns the numbers of an attribute, or nullopt if one of them is invalid.
 std::optional<std::vector<double>> mjcf_values(const std::string& text) {
@@ -78,8 +78,9 @@ class MjcfCheck {
     if (const auto wrong = name_error(e)) object(e, *wrong);
     for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next())
       attribute(e, known, a->Name(), a->Value());
-    if (std::string_view(e.Name()) == "geom" && e.Attribute("mesh") != nullptr)
-      geom_mesh(e, parent);
+    if (std::string_view(e.Name()) == "geom" && e.Attribute("mesh") != nullptr &&
+        parent == "default")
+      object(e, "<geom> of a class has a `mesh`, which is not supported; give it in each <geom>");
     for (const Element* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
       if (takes(e, *child)) walk(*child, e.Name());
     }
@@ -95,6 +96,10 @@ class MjcfCheck {
     }
     const char* active = child.Attribute("active");
     const bool inactive = active != nullptr && std::string_view(active) == "false";
+    if (mjcf_is_mocap(child) || holds_mocap(child)) {
+      note(child, mjcf_name(child) + " (mocap)");
+      return false;
+    }
     if (known->use == Use::refused && !inactive) {
       object(child, mjcf_name(child) + ends_of(child) + " in " + mjcf_tag(e) +
                         " is not supported: " + std::string(known->remedy) + coupling_for(child));
@@ -135,15 +140,22 @@ class MjcfCheck {
     }
     for (const double number : *values) {
       if (std::abs(number) > kLargestMjcfNumber)
-        return object(e, what + "contains a number beyond 1e6; give it in SI units");
+        return object(e, what + "contains a number beyond 1e12; give it in SI units");
     }
   }
 
-  void geom_mesh(const Element& e, std::string_view parent) {
-    if (parent == "default")
-      object(e, "<geom> of a class has a `mesh`, which is not supported; give it in each <geom>");
-    else if (mjcf_mesh_of(mjcf_.source, e) == nullptr)
-      object(e, "<geom> fits a shape to a mesh, which is not supported: give its `size` and `pos`");
+  // Returns whether the element is a constraint that pulls the robot to a mocap body.
+  bool holds_mocap(const Element& e) const {
+    for (const char* end : {"body1", "body2"}) {
+      const char* name = e.Attribute(end);
+      const auto* world = mjcf_.source.root().FirstChildElement("worldbody");
+      for (; world != nullptr && name != nullptr; world = world->NextSiblingElement("worldbody")) {
+        for (auto* body = world->FirstChildElement("body"); body != nullptr;
+             body = body->NextSiblingElement("body"))
+          if (mjcf_is_mocap(*body) && body->Attribute("name", name) != nullptr) return true;
+      }
+    }
+    return false;
   }
 
   // " of `ONE` and `OTHER`", the bodies or geoms that a constraint ties together; empty for other elements.
@@ -248,6 +260,10 @@ bool mjcf_neutral(const std::string& value) {
   if (!numbers) return false;
   if (*numbers == std::vector<double>{1, 0, 0, 0}) return true;
   return std::ranges::all_of(*numbers, [](double number) { return number == 0; });
+}
+
+bool mjcf_is_mocap(const Element& e) {
+  return std::string_view(e.Name()) == "body" && e.Attribute("mocap", "true") != nullptr;
 }
 
 std::string mjcf_mesh_name(const Element& mesh) {

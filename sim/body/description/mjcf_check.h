@@ -28,6 +28,9 @@ struct Mjcf {
 // `none` or `legacy`.
 bool mjcf_neutral(const std::string& value);
 
+// Returns whether the element is a <body> that a program moves: a handle of the viewer, no part of a robot.
+bool mjcf_is_mocap(const tinyxml2::XMLElement& e);
+
 // Returns the name of a <mesh>: its `name`, or the stem of its `file`.
 std::string mjcf_mesh_name(const tinyxml2::XMLElement& mesh);
 

@@ -79,7 +79,7 @@ class Rewriter {
       const std::string name = e->Name();
       const MjcfElement* known = mjcf_element(parent, name);
       if (known == nullptr || known->use != Use::used) continue;
-      if (parent == "asset" && name == "mesh") continue;
+      if ((parent == "asset" && name == "mesh") || mjcf_is_mocap(*e)) continue;
       const bool in_body = parent == "body" || parent == "worldbody";
       if (in_body && name == "geom") {
         geom(*e, to, *known);
@@ -109,17 +109,26 @@ class Rewriter {
     Element* copied = copy(e, known);
     copied->SetAttribute("name", ("@" + number).c_str());
     to.InsertEndChild(copied);
-    const char* mesh = mjcf_mesh_of(mjcf_.source, e);
-    if (mesh == nullptr) return;
+    const char* mesh = e.Attribute("mesh");
+    const bool is_primitive = mjcf_mesh_of(mjcf_.source, e) == nullptr;
+    if (is_primitive && (mesh == nullptr || fits(mesh))) return;
     const Element* parent = e.Parent()->ToElement();
     const bool gives_mass = std::string_view(parent->Name()) == "body" &&
                             (geoms_give_mass_ || !parent->FirstChildElement("inertial"));
     if (gives_mass && options_.body) keep_mesh(e, to, known, mesh, "%" + number);
-    for (const char* other : {"mesh", "density", "fromto"}) copied->DeleteAttribute(other);
+    for (const char* other : {"mesh", "fitscale", "density", "fromto"}) copied->DeleteAttribute(other);
     copied->SetAttribute("type", "sphere");
     copied->SetAttribute("size", "0.001");
     copied->SetAttribute("shellinertia", "false");
     copied->SetAttribute("mass", gives_mass && !options_.body ? "1" : "0");
+  }
+
+  // Lets libmujoco fit a primitive to its mesh. Returns false if the mesh is missing.
+  bool fits(const char* mesh) {
+    const auto found = mjcf_.meshes.find(mesh);
+    if (found == mjcf_.meshes.end() || found->second.path.empty()) return false;
+    needed_.insert(found->first);
+    return true;
   }
 
   void keep_mesh(const Element& e, Element& to, const MjcfElement& known, const char* mesh,

@@ -40,11 +40,17 @@ inline constexpr std::string_view kTendon =
 // Position and orientation; range of an actuator; targets of an actuator that are not joints.
 #define KZ_POSE "pos quat axisangle xyaxes zaxis euler"
 #define KZ_RANGES \
-  "name class ctrllimited forcelimited ctrlrange forcerange gear joint jointinparent"
+  "name class ctrllimited forcelimited ctrlrange forcerange gear joint jointinparent tendon"
 #define KZ_SERVO                                                                                   \
   "group actlimited actrange lengthrange cranklength user inheritrange kp kv dampratio timeconst " \
   "delay nsample interp damping armature"
-#define KZ_TARGETS "tendon slidersite cranksite site refsite body"
+#define KZ_TARGETS "slidersite cranksite site refsite body"
+
+// A tendon only distributes the force of its actuator: it neither pulls nor ends by itself.
+#define KZ_TENDON                                                                            \
+  "group width material rgba margin solreflimit solimplimit solreffriction solimpfriction " \
+  "springlength armature actuatorfrcrange actuatorfrclimited user"
+#define KZ_TENDON_LIMITS "stiffness damping frictionloss limited range"
 
 inline constexpr MjcfElement kMjcfElements[] = {
     {"", "mujoco", Use::used, "model"},
@@ -82,7 +88,7 @@ inline constexpr MjcfElement kMjcfElements[] = {
     {"default", "default", Use::used, "class"},
     {"default", "pair", Use::noted},
     {"default", "equality", Use::used, "active", "", "solref solimp"},
-    {"default", "tendon", Use::noted},
+    {"default", "tendon", Use::used, "", "", KZ_TENDON, KZ_TENDON_LIMITS},
     {"default", "damper", Use::noted},
     {"default", "cylinder", Use::noted},
     {"default", "muscle", Use::noted},
@@ -100,7 +106,7 @@ inline constexpr MjcfElement kMjcfElements[] = {
     {"mesh", "plugin", Use::refused, "", "", "", "", "give a file instead"},
     {"material", "layer", Use::noted},
 
-    {"body", "body", Use::used, "name childclass " KZ_POSE, "", "user sleep", "mocap gravcomp"},
+    {"body", "body", Use::used, "name childclass " KZ_POSE, "", "user sleep gravcomp", "mocap"},
     {"body", "inertial", Use::used, "mass diaginertia fullinertia " KZ_POSE},
     {"body", "joint", Use::used, "name class type pos axis limited range ref damping frictionloss",
      "actuatorfrcrange actuatorfrclimited",
@@ -110,8 +116,8 @@ inline constexpr MjcfElement kMjcfElements[] = {
     {"body", "freejoint", Use::used, "name", "", "group align"},
     {"body", "geom", Use::used,
      "name class type contype conaffinity condim group size material friction mass density "
-     "shellinertia fromto mesh rgba " KZ_POSE,
-     "", "priority solmix solref solimp margin gap fitscale fluidshape fluidcoef user", "hfield"},
+     "shellinertia fromto mesh fitscale rgba " KZ_POSE,
+     "", "priority solmix solref solimp margin gap fluidshape fluidcoef user", "hfield"},
     {"body", "site", Use::used, "name class type size fromto " KZ_POSE, "",
      "group material rgba user"},
     {"body", "camera", Use::noted},
@@ -135,7 +141,8 @@ inline constexpr MjcfElement kMjcfElements[] = {
     {"equality", "flexstrain", Use::refused, "", "", "", "",
      "Kaz has rigid bodies only; remove it"},
     {"tendon", "spatial", Use::refused, "", "", "", "", mjcf::kTendon},
-    {"tendon", "fixed", Use::refused, "", "", "", "", mjcf::kTendon},
+    {"tendon", "fixed", Use::used, "name class", "", KZ_TENDON, KZ_TENDON_LIMITS},
+    {"fixed", "joint", Use::used, "joint coef"},
 
     {"actuator", "general", Use::used, KZ_RANGES " gaintype biastype gainprm biasprm", "",
      KZ_SERVO " dyntype dynprm actdim actearly", KZ_TARGETS},
@@ -153,6 +160,8 @@ inline constexpr MjcfElement kMjcfElements[] = {
 #undef KZ_RANGES
 #undef KZ_SERVO
 #undef KZ_TARGETS
+#undef KZ_TENDON
+#undef KZ_TENDON_LIMITS
 
 // Remedies for refused attributes.
 struct MjcfRemedy {
@@ -160,14 +169,13 @@ struct MjcfRemedy {
 };
 inline constexpr MjcfRemedy kMjcfRemedies[] = {
     {"stiffness springdamper", "Kaz has no springs in joints; remove it"},
+    {"damping frictionloss limited range", "Kaz's tendons do not act by themselves; remove it"},
     {"wind density viscosity", "Kaz has no fluid; remove it"},
-    {"mocap", "remove the body"},
-    {"gravcomp", "Kaz does not compensate gravity; remove it"},
     {"hfield", "Kaz has no height fields; use a mesh or a box"},
     {"vertex normal texcoord face builtin params", "write the mesh to an OBJ or STL file"},
     {"refpos refquat", "change the vertices of the mesh, or the pose of the <geom>"},
     {"inertia", "give the body an <inertial>"},
-    {"tendon slidersite cranksite site refsite body", "Kaz's motors act on joints; give `joint`"},
+    {"slidersite cranksite site refsite body", "Kaz's motors act on joints; give `joint`"},
 };
 
 // Returns the entry of the element `name` in `parent`, or null. The elements in a <worldbody> are those in a

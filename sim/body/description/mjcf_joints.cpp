@@ -52,6 +52,7 @@ void MjcfJoints::finish(RobotModel& robot) {
   }
   read_actuators();
   read_couplings(number);
+  pass_tendon_forces();
   for (const auto& [joint, index] : number) {
     RobotJoint& out = robot.joints[static_cast<std::size_t>(index)];
     read_limits(joint, out);
@@ -72,9 +73,32 @@ void MjcfJoints::finish(RobotModel& robot) {
 void MjcfJoints::read_actuators() {
   for (int actuator = 0; actuator < model_.nu; ++actuator) {
     const int type = model_.actuator_trntype[actuator];
+    if (type == mjTRN_TENDON) read_tendon(actuator);
     if (type != mjTRN_JOINT && type != mjTRN_JOINTINPARENT) continue;
     force_[model_.actuator_trnid[2 * actuator]] += force_of(actuator);
   }
+}
+
+// A fixed tendon pulls at each of its joints with its force times `coef`.
+void MjcfJoints::read_tendon(int actuator) {
+  const int tendon = model_.actuator_trnid[2 * actuator];
+  for (int i = 0; i < model_.tendon_num[tendon]; ++i) {
+    const int wrap = model_.tendon_adr[tendon] + i;
+    if (model_.wrap_type[wrap] == mjWRAP_JOINT && model_.wrap_prm[wrap] != 0)
+      pull_[model_.wrap_objid[wrap]] += std::abs(model_.wrap_prm[wrap]) * force_of(actuator);
+  }
+}
+
+// The pull at a joint that follows another one acts at that joint.
+void MjcfJoints::pass_tendon_forces() {
+  for (const auto& [follower, unused] : couplings_) {
+    const auto pull = pull_.find(follower);
+    if (pull == pull_.end()) continue;
+    const Coupling coupling = resolved(follower);
+    pull_[coupling.leader] += std::abs(coupling.ratio) * pull->second;
+    pull_.erase(follower);
+  }
+  for (const auto& [joint, pull] : pull_) force_[joint] += pull;
 }
 
 // Largest torque at the joint; infinite if nothing limits it.

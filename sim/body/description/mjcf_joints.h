@@ -16,10 +16,10 @@ class MjcfJoints {
   MjcfJoints(const Mjcf& mjcf, const CompiledMjcf& compiled, Objections& objections);
 
   // Completes the joints of `robot`, which have names, axes and links. Adds limits, losses, efforts,
-  // couplings and the order. The effort is the sum of the actuators' forces, at most `actuatorfrcrange`.
-  // If the model has actuators, joints without one get a motor and a note. If two joints are coupled, the
-  // joint with an actuator leads. Objections: joints without a name, couplings that are not linear, and
-  // joints that follow two joints or each other.
+  // couplings and the order. The effort is the sum of the actuators' forces, also by tendons, at most
+  // `actuatorfrcrange`. If the model has actuators, joints without one get a motor and a note. If two joints
+  // are coupled, the joint with an actuator leads. Objections: joints without a name, couplings that are not
+  // linear, and joints that follow two joints or each other.
   void finish(RobotModel& robot);
 
  private:
@@ -31,6 +31,8 @@ class MjcfJoints {
   const tinyxml2::XMLElement& element_of(int joint) const;
   void object(int joint, const std::string& text);
   void read_actuators();
+  void read_tendon(int actuator);
+  void pass_tendon_forces();
   double force_of(int actuator) const;
   void read_limits(int joint, RobotJoint& out);
   void read_couplings(const std::map<int, int>& number);
@@ -45,6 +47,7 @@ class MjcfJoints {
   const CompiledMjcf& compiled_;
   Objections& objections_;
   std::map<int, double> force_;        // Nm, by joint of the model with an actuator
+  std::map<int, double> pull_;         // the same, by tendons
   std::map<int, Coupling> couplings_;  // by follower
 };
 

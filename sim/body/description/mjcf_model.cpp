@@ -16,7 +16,7 @@ namespace {
 
 // Bounds against wrong units, such as millimeters for meters.
 constexpr double kLargestBody = 10;    // m
-constexpr double kHeaviestBody = 100;  // kg
+constexpr double kHeaviestBody = 500;  // kg
 constexpr int kMaxBodies = 500;
 
 class MjcfReader {
@@ -167,21 +167,24 @@ class MjcfReader {
     const Place& parent = place_[static_cast<std::size_t>(model_.body_parentid[body])];
     const Eigen::Isometry3d in_link =
         parent.in_link * mjcf_pose(model_.body_pos + 3 * body, model_.body_quat + 4 * body);
-    if (model_.body_jntnum[body] > 1)
-      object(body, "body `" + part.name + "` has " + std::to_string(model_.body_jntnum[body]) +
-                       " joints; put each of them in a body of its own, with an <inertial>");
-    const int number = joint_of(body);
-    if (number < 0) return {parent.link, in_link};
-    if (!moves(number)) {
-      object(body, "body `" + part.name + "` has a ball joint, which is not supported; use hinges");
-      return {parent.link, in_link};
+    Place at{parent.link, in_link};
+    const int count = model_.body_jntnum[body];
+    for (int i = 0; i < count; ++i) {
+      const int number = model_.body_jntadr[body] + i;
+      if (moves(number))
+        at = link_at(number, part, at, i + 1 == count);
+      else
+        object(body,
+               "body `" + part.name + "` has a ball joint, which is not supported; use hinges");
     }
-    return link_at(number, part, parent.link, in_link);
+    return at;
   }
 
-  // The place of a body with a hinge or a slide.
-  Place link_at(int number, const RigidLink& part, int parent,
-                const Eigen::Isometry3d& in_parent) {
+  // The place of a body behind a hinge or a slide. If the body has several joints, the links between them
+  // are empty.
+  Place link_at(int number, const RigidLink& part, const Place& from, bool is_last) {
+    const int parent = from.link;
+    const Eigen::Isometry3d& in_parent = from.in_link;
     const Eigen::Vector3d axis = mjcf_vector(model_.jnt_axis + 3 * number);
     const bool slides = model_.jnt_type[number] == mjJNT_SLIDE;
     Eigen::Vector3d at_joint = Eigen::Vector3d::Zero();
@@ -204,7 +207,7 @@ class MjcfReader {
     joint.axis = link.at_zero.linear() * axis;
     if (slides) joint.pinion_m = pinion_of(number);
     link.rigid.name = part.name;
-    if (!at_joint.isZero(0)) {
+    if (!is_last || !at_joint.isZero(0)) {
       link.rigid.name += "_at_" + joint.name;
       claim(model_.jnt_bodyid[number], link.rigid.name);
     }
@@ -244,7 +247,7 @@ class MjcfReader {
         object(body, "body `" + name_of(body) +
                          "` moves but has no possible mass and inertia; give an <inertial>");
       if (model_.body_mass[body] > kHeaviestBody)
-        object(body, "body `" + name_of(body) + "` has a mass above 100 kg; give it in kg");
+        object(body, "body `" + name_of(body) + "` has a mass above 500 kg; give it in kg");
       if (mjcf_vector(model_.body_pos + 3 * body).cwiseAbs().maxCoeff() > kLargestBody)
         object(body, "body `" + name_of(body) +
                          "` is more than 10 m away from its parent; give "

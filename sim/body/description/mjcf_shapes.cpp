@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 #include <mujoco/mjmodel.h>
 
-#include "sim/body/description/mesh_collision.h"
 #include "sim/body/description/robot_model.h"
 
 namespace kaz::sim {
@@ -87,13 +85,20 @@ Result<void> MjcfShapes::add(int body, RigidLink& rigid, std::vector<FileNote>& 
 Result<void> MjcfShapes::add_geom(int geom, RigidLink& rigid) {
   if (model_.geom_friction[3 * geom] < 0)
     object(geom, mjcf_name(element_of(geom)) + " has a negative `friction`; correct it");
-  if (const char* name = mjcf_mesh_of(mjcf_.source, element_of(geom))) {
+  if (const char* name = element_of(geom).Attribute("mesh")) {
     const auto mesh = mjcf_.meshes.find(name);
+    const bool is_primitive = mjcf_mesh_of(mjcf_.source, element_of(geom)) == nullptr;
+    if (mesh != mjcf_.meshes.end() && is_primitive && !mesh->second.path.empty())
+      return add_primitive(geom, rigid);
     if (mesh != mjcf_.meshes.end()) return add_mesh(geom, mesh->second, rigid);
     object(geom, "<geom> refers to mesh `" + std::string(name) +
                      "`, which does not exist; check the spelling");
     return {};
   }
+  return add_primitive(geom, rigid);
+}
+
+Result<void> MjcfShapes::add_primitive(int geom, RigidLink& rigid) {
   const auto shape =
       mjcf_primitive(model_.geom_type[geom], mjcf_vector(model_.geom_size + 3 * geom));
   if (!shape) {
@@ -115,14 +120,7 @@ Result<void> MjcfShapes::add_geom(int geom, RigidLink& rigid) {
 Result<void> MjcfShapes::add_mesh(int geom, const MjcfMesh& mesh, RigidLink& rigid) {
   if (mesh.path.empty()) return {};
   if (collides(geom)) {
-    std::ostringstream key;
-    key << mesh.path << ' ' << mesh.scale.transpose();
-    auto found = around_.find(key.str());
-    if (found == around_.end()) {
-      const auto shape = KAZ_TRY(mesh_collision(mesh.path, mesh.scale, options_.mesh_collision));
-      found = around_.emplace(key.str(), shape).first;
-    }
-    add_collision(geom, found->second, rigid);
+    add_collision(geom, KAZ_TRY(shapes_.around(mesh.path, mesh.scale)), rigid);
   }
   Shape shape;
   shape.kind = Shape::Kind::mesh;

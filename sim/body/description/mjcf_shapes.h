@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <string>
 
 #include <Eigen/Geometry>
 
+#include "sim/body/description/mesh_collision.h"
 #include "sim/body/description/mjcf_compile.h"
 #include "sim/body/description/rigid_link.h"
 
@@ -27,14 +27,15 @@ class MjcfShapes {
       : mjcf_(mjcf),
         compiled_(compiled),
         model_(*compiled.model),
-        options_(options),
-        objections_(objections) {}
+        objections_(objections),
+        shapes_(options.mesh_collision) {}
 
   // Adds the shapes of `body` to `rigid`, in the frame of the body. Errors: an invalid mesh file.
   Result<void> add(int body, RigidLink& rigid, std::vector<FileNote>& notes);
 
  private:
   Result<void> add_geom(int geom, RigidLink& rigid);
+  Result<void> add_primitive(int geom, RigidLink& rigid);
   Result<void> add_mesh(int geom, const MjcfMesh& mesh, RigidLink& rigid);
   const tinyxml2::XMLElement& element_of(int geom) const;
   void add_collision(int geom, CollisionShape shape, RigidLink& rigid) const;
@@ -47,9 +48,8 @@ class MjcfShapes {
   const Mjcf& mjcf_;
   const CompiledMjcf& compiled_;
   const mjModel_& model_;
-  const ReadOptions& options_;
   Objections& objections_;
-  std::map<std::string, CollisionShape> around_;  // by the path and the scale of the mesh
+  MeshShapes shapes_;
 };
 
 }  // namespace kaz::sim

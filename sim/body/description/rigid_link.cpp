@@ -101,12 +101,11 @@ bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m) {
   return false;
 }
 
-bool physical(double mass, const Eigen::Matrix3d& inertia) {
+bool physical(double mass, const Eigen::Matrix3d& inertia, double excess) {
   if (!(mass > 0)) return false;
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  // Numbers in files are rounded: the triangle inequality may be violated by 1 %.
-  return moments[0] > 0 && moments[2] <= 1.01 * (moments[0] + moments[1]);
+  return moments[0] > 0 && moments[2] <= excess * (moments[0] + moments[1]);
 }
 
 }  // namespace kaz::sim

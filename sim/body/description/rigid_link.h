@@ -56,8 +56,8 @@ Eigen::AlignedBox3d extent(const Shape& shape, const Eigen::Isometry3d& pose);
 bool inside(const Shape& shape, const Eigen::Vector3d& p, double depth_m);
 
 // Returns whether a mass and an inertia are physically possible. The mass and the principal moments of
-// inertia must be positive. No principal moment may exceed the sum of the other two moments by more than 1 %.
-// The tolerance of 1 % is for rounded numbers in files.
-bool physical(double mass, const Eigen::Matrix3d& inertia);
+// inertia must be positive. No principal moment may exceed the sum of the other two moments times `excess`,
+// which is above 1 because numbers in files are rounded.
+bool physical(double mass, const Eigen::Matrix3d& inertia, double excess = 1.01);
 
 }  // namespace kaz::sim

@@ -57,7 +57,8 @@ Rgb color_of(const Element& material) {
 
 class Reader {
  public:
-  Reader(const Urdf& urdf, const ReadOptions& options) : urdf_(urdf), options_(options) {}
+  Reader(const Urdf& urdf, const ReadOptions& options)
+      : urdf_(urdf), options_(options), shapes_(options.mesh_collision) {}
 
   Result<RobotModel> read() {
     const char* name = urdf_.file.root().Attribute("name");
@@ -152,8 +153,12 @@ class Reader {
       return limit == nullptr ? otherwise : number_of(*limit, name, otherwise);
     };
     const bool continuous = joint.Attribute("type", "continuous") != nullptr;
-    out.lower = continuous ? -kNoLimit : limit_of("lower", 0);
-    out.upper = continuous ? kNoLimit : limit_of("upper", 0);
+    const auto side = [&](const char* name, double otherwise) {
+      const double stated = limit_of(name, 0);
+      return continuous || std::abs(stated) >= kStatedUnlimited ? otherwise : stated;
+    };
+    out.lower = side("lower", -kNoLimit);
+    out.upper = side("upper", kNoLimit);
     // Exporters write 0 for limits that nobody has stated.
     const double velocity = limit_of("velocity", 0), effort = limit_of("effort", 0);
     out.velocity = velocity > 0 ? velocity : kNoLimit;
@@ -175,6 +180,8 @@ class Reader {
     if (!options_.body) return rigid;
     const Element& link = *urdf_.links.at(name);
     if (const Element* inertial = link.FirstChildElement("inertial")) add_mass(*inertial, rigid);
+    if (const auto scale = urdf_.inertia_scales.find(name); scale != urdf_.inertia_scales.end())
+      rigid.inertia *= scale->second;
     for (const Element* e = link.FirstChildElement("collision"); e;
          e = e->NextSiblingElement("collision"))
       KAZ_TRY(add_collision(*e, rigid));
@@ -200,7 +207,7 @@ class Reader {
   std::optional<Shape> shape_of(const Element& parent) const {
     const Element* geometry = parent.FirstChildElement("geometry");
     const Element* e = geometry == nullptr ? nullptr : geometry->FirstChildElement();
-    if (e == nullptr) return std::nullopt;
+    if (e == nullptr || urdf_.shapeless.contains(e)) return std::nullopt;
     const std::string kind = e->Name();
     Shape shape;
     if (kind == "box") {
@@ -212,7 +219,6 @@ class Reader {
       shape.size = scale.empty() ? Eigen::Vector3d(Eigen::Vector3d::Ones()) : vector_of(scale);
       // check_urdf() accepted the path
       shape.mesh_path = mesh_path(urdf_.file.path(), e->Attribute("filename")).value_or("");
-      if (options_.skip_missing_meshes && !mesh_exists(shape.mesh_path)) return std::nullopt;
     } else {
       shape.kind = kind == "sphere"     ? Shape::Kind::sphere
                    : kind == "cylinder" ? Shape::Kind::cylinder
@@ -222,12 +228,12 @@ class Reader {
     return shape;
   }
 
-  Result<void> add_collision(const Element& e, RigidLink& rigid) const {
+  Result<void> add_collision(const Element& e, RigidLink& rigid) {
     const auto found = shape_of(e);
     if (!found) return {};
     CollisionShape shape;
     if (found->kind == Shape::Kind::mesh)
-      shape = KAZ_TRY(mesh_collision(found->mesh_path, found->size, options_.mesh_collision));
+      shape = KAZ_TRY(shapes_.around(found->mesh_path, found->size));
     else
       shape.shape = *found;
     shape.in_link = pose_of(e) * shape.in_link;
@@ -273,12 +279,24 @@ class Reader {
     return {};
   }
 
+  // Returns whether a link that hangs on this one by joints has a mass. Then the link may be without.
+  bool carries_mass(std::size_t link) const {
+    std::vector<bool> below(robot_.links.size());
+    for (std::size_t i = link + 1; i < robot_.links.size(); ++i) {
+      const auto parent = static_cast<std::size_t>(robot_.links[i].parent);
+      below[i] = parent == link || below[parent];
+      if (below[i] && robot_.links[i].rigid.mass > 0) return true;
+    }
+    return false;
+  }
+
   // Each part that can move, with all links that are fixed to it, needs a mass and an inertia.
   Result<void> check_masses() const {
     Objections objections(urdf_.file.path());
     for (std::size_t i = robot_.fixed_base ? 1 : 0; i < robot_.links.size(); ++i) {
       const RigidLink& rigid = robot_.links[i].rigid;
-      if (physical(rigid.mass, rigid.inertia)) continue;
+      if (physical(rigid.mass, rigid.inertia, kLargestExcess)) continue;
+      if (i > 0 && rigid.mass == 0 && carries_mass(i)) continue;
       objections.add(
           urdf_.links.at(rigid.name)->GetLineNum(),
           rigid.mass > 0
@@ -295,6 +313,7 @@ class Reader {
   std::map<std::string, std::vector<const Element*>>
       children_;                     // joints, by the name of their parent
   std::vector<std::string> joints_;  // names of turning joints, in the order of RobotModel::joints
+  MeshShapes shapes_;
   RobotModel robot_;
 };
 
@@ -381,7 +400,7 @@ std::optional<std::size_t> narrow_for_followers(std::vector<RobotJoint>& joints)
     leader.upper = std::min(leader.upper, upper);
     leader.velocity = std::min(leader.velocity, follower.velocity / std::abs(ratio));
     leader.effort = std::min(leader.effort, follower.effort * std::abs(ratio));
-    if (!(leader.lower < leader.upper)) return i;
+    if (leader.lower > leader.upper) return i;
   }
   return std::nullopt;
 }

@@ -374,6 +374,10 @@ class SdfFileCheck {
     const std::string what = "model `" + trimmed_text(uri) + "` ";
     auto path = scan_.path.find(file_.path(), trimmed_text(uri));
     if (path) path = scan_.path.model_file(*path);
+    const bool is_missing = !path, is_floor = trimmed_text(uri) == kFloorModel;
+    if (is_missing && trimmed_text(uri) == kSunModel)
+      return report_.note(uri, what + "(a light)"), IncludedModel();
+    if (is_missing && is_floor) path = kFloorModel;
     if (!path) return report_.object(uri, what + path.error().message), IncludedModel();
     const std::pair key(*path, 2 * (is_static ? 1 + *is_static : 0) + fixed);
     if (const auto known = scan_.known.find(key); known != scan_.known.end()) {
@@ -386,7 +390,8 @@ class SdfFileCheck {
              IncludedModel();
     const std::size_t before = scan_.models;
     IncludedModel included;
-    const auto file = XmlFile::load(*path, "sdf");
+    const auto file = is_missing ? XmlFile::parse(*path, "sdf", kFloorText)
+                                 : XmlFile::load(*path, "sdf");
     if (!file) return report_.object(uri, what + "is not valid: " + file.error().message), included;
     scan_.open.push_back(*path);
     const int line = report_.line_of(uri);

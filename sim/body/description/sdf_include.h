@@ -10,6 +10,18 @@
 
 namespace kaz::sim {
 
+// Gazebo's model of a floor, which most worlds include from Gazebo's own folder. It is used if no folder
+// contains it.
+inline constexpr const char* kFloorModel = "model://ground_plane";
+inline constexpr const char* kFloorText = R"(<sdf version="1.6"><model name="ground_plane">
+<static>true</static><link name="link">
+<collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+<surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface></collision>
+<visual name="visual"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+<material><diffuse>0.8 0.8 0.8 1</diffuse></material></visual></link></model></sdf>)";
+// Gazebo's model of a light. It is left out if no folder contains it.
+inline constexpr const char* kSunModel = "model://sun";
+
 // Search path of one world: the folder of the world, its subfolder `models`, and the folders of the
 // environment variables GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH and SDF_PATH (FOLDER[:FOLDER...]).
 //

@@ -12,39 +12,17 @@
 #include "sim/body/description/rigid_link.h"
 #include "sim/body/description/urdf_joints.h"
 #include "sim/body/description/urdf_schema.h"
+#include "sim/body/description/urdf_surfaces.h"
 
 namespace kaz::sim {
 namespace {
 
 using Element = tinyxml2::XMLElement;
 
-struct Numbers {
-  const char* element;
-  const char* attribute;
-  std::size_t count;
-  bool needed;
-};
-constexpr Numbers kNumbers[] = {
-    {"origin", "xyz", 3, false},        {"origin", "rpy", 3, false},
-    {"origin", "quat_xyzw", 4, false},  {"axis", "xyz", 3, true},
-    {"box", "size", 3, true},           {"color", "rgba", 4, true},
-    {"mesh", "scale", 3, false},        {"cylinder", "radius", 1, true},
-    {"cylinder", "length", 1, true},    {"capsule", "radius", 1, true},
-    {"capsule", "length", 1, true},     {"sphere", "radius", 1, true},
-    {"mass", "value", 1, true},         {"inertia", "ixx", 1, true},
-    {"inertia", "iyy", 1, true},        {"inertia", "izz", 1, true},
-    {"inertia", "ixy", 1, false},       {"inertia", "ixz", 1, false},
-    {"inertia", "iyz", 1, false},       {"limit", "lower", 1, false},
-    {"limit", "upper", 1, false},       {"limit", "effort", 1, false},
-    {"limit", "velocity", 1, false},    {"dynamics", "damping", 1, false},
-    {"dynamics", "friction", 1, false}, {"mimic", "multiplier", 1, false},
-    {"mimic", "offset", 1, false},
-};
-
 // Bounds against wrong units, such as millimetres for metres.
 constexpr double kLargest = 10;           // m
-constexpr double kHeaviest = 100;         // kg
-constexpr double kLargestTurn = 100;      // rad
+constexpr double kHeaviest = 500;         // kg
+constexpr double kLargestTurn = 100;      // rad, and m of a prismatic joint
 constexpr double kLargestMoment = 10000;  // kg m^2: the heaviest at the largest distance
 // Maximum depth: the tree is traversed recursively.
 constexpr std::size_t kMaxLinks = 500;
@@ -79,7 +57,9 @@ class Check {
       resolve_mimics(urdf_, object_at);
       check_joint_names(urdf_, object_at);
     }
-    surfaces();
+    read_surfaces(
+        urdf_, options_.body, [this](const Element& at, const std::string& text) { object(at, text); },
+        [this](const Element& at, const std::string& what) { note(at, what); });
     if (options_.strict) {
       for (const FileNote& note : urdf_.notes)
         object(note.line, note.what + " is not used, which --strict does not permit; remove it");
@@ -174,12 +154,16 @@ class Check {
 
   void numbers(const Element& e) {
     const std::string name = e.Name();
-    for (const Numbers& n : kNumbers) {
+    for (const UrdfNumbers& n : kUrdfNumbers) {
       if (name != n.element) continue;
       const char* text = e.Attribute(n.attribute);
       if (text == nullptr && !n.needed) continue;
       if (text != nullptr && parse_numbers(text, n.count)) continue;
       const std::string attribute = std::string("attribute `") + n.attribute + "` of " + tag(e);
+      if (name == "color") {
+        note(e, attribute);
+        continue;
+      }
       if (text == nullptr)
         spoil(e, tag(e) + " lacks the attribute `" + n.attribute + "`");
       else if (n.count == 1)
@@ -199,6 +183,11 @@ class Check {
     if (name == "cylinder" || name == "sphere" || name == "capsule")
       lengths.push_back(e.DoubleAttribute("radius"));
     if (name == "cylinder" || name == "capsule") lengths.push_back(e.DoubleAttribute("length"));
+    const bool is_empty = std::ranges::all_of(lengths, [](double length) { return length == 0; });
+    if (!lengths.empty() && (is_empty || is_drawn_only(e)) && std::ranges::min(lengths) == 0) {
+      urdf_.shapeless.insert(&e);
+      return note(e, tag(e) + " without a size");
+    }
     for (const double length : lengths) {
       if (length > 0 && length <= kLargest) continue;
       return spoil(e, tag(e) + " has a size of " + format(length) +
@@ -209,8 +198,12 @@ class Check {
     if (name == "mass") {
       const double value = number_of(e, "value", 0);
       if (value < 0) spoil(e, "a mass of " + format(value) + " kg; masses are not negative");
-      if (value > kHeaviest) spoil(e, "a mass of " + format(value) + " kg; the maximum is 100 kg");
+      if (value > kHeaviest) spoil(e, "a mass of " + format(value) + " kg; the maximum is 500 kg");
     }
+  }
+
+  static bool is_drawn_only(const Element& shape) {
+    return std::string_view(shape.Parent()->Parent()->ToElement()->Name()) == "visual";
   }
 
   void origin(const Element& e) {
@@ -237,11 +230,21 @@ class Check {
                             " kg m2; moments are from -10000 to 10000 kg m2");
     }
     const Eigen::Matrix3d tensor = tensor_of(e);
-    const char* link = e.Parent()->Parent()->ToElement()->Attribute("name");
-    if (!tensor.isZero(0) && !physical(1, tensor))
-      spoil(e, "the inertia of link `" + std::string(link == nullptr ? "" : link) +
-                   "` is impossible: its principal moments must be above 0, and none of them may "
-                   "exceed the sum of the other two");
+    const char* name = e.Parent()->Parent()->ToElement()->Attribute("name");
+    const std::string link = name == nullptr ? "" : name;
+    if (tensor.isZero(0) || physical(1, tensor)) return;
+    if (!physical(1, tensor, kLargestExcess))
+      return spoil(e, "the inertia of link `" + link +
+                          "` is impossible: its principal moments must be above 0, and none of "
+                          "them may exceed the sum of the other two");
+    note(e, "rule of the principal moments in link `" + link + "` (one exceeds the sum of the others)");
+  }
+
+  // Reads each file once: robots repeat meshes.
+  std::optional<std::string> error_of_mesh(const std::string& path) {
+    const auto known = mesh_errors_.find(path);
+    if (known != mesh_errors_.end()) return known->second;
+    return mesh_errors_[path] = mesh_error(path);
   }
 
   void mesh(const Element& e) {
@@ -249,43 +252,15 @@ class Check {
     if (name == nullptr) return spoil(e, "<mesh> lacks the attribute `filename`");
     const auto path = mesh_path(urdf_.file.path(), name);
     const std::string what = std::string("mesh `") + name + "`";
-    if (options_.skip_missing_meshes && !(path && mesh_exists(*path))) return note(e, what);
-    const auto error = path ? mesh_error(*path) : path.error().message;
-    if (error) spoil(e, what + " " + *error);
-  }
-
-  // Friction of a link: <gazebo reference="link"><mu1>, as Gazebo reads it; the same in all directions.
-  void surfaces() {
-    for (auto* e = root().FirstChildElement("gazebo"); e; e = e->NextSiblingElement("gazebo")) {
-      const Element *mu1 = e->FirstChildElement("mu1"), *mu2 = e->FirstChildElement("mu2");
-      for (const Element* child = e->FirstChildElement(); child;
-           child = child->NextSiblingElement()) {
-        if (child != mu1 && child != mu2)
-          note(*child, "<gazebo><" + std::string(child->Name()) + ">");
-      }
-      if ((mu1 == nullptr && mu2 == nullptr) || !options_.body) continue;
-      const char* link = e->Attribute("reference");
-      if (link == nullptr || !urdf_.links.contains(link)) {
-        object(*e, "<gazebo> refers to link `" + std::string(link == nullptr ? "" : link) +
-                       "`, which does not exist");
-        continue;
-      }
-      friction(link, mu1, mu2);
+    if (options_.skip_missing_meshes && !(path && mesh_exists(*path))) {
+      urdf_.shapeless.insert(&e);
+      return note(e, what);
     }
-  }
-
-  void friction(const char* link, const Element* mu1, const Element* mu2) {
-    double mu = -1;
-    for (const Element* element : {mu1, mu2}) {
-      if (element == nullptr) continue;
-      const auto value = parse_numbers(element->GetText() ? element->GetText() : "", 1);
-      if (!value || value->front() < 0 || (mu >= 0 && value->front() != mu))
-        return object(*element, tag(*element) +
-                                    " must contain one number not below 0; mu1 and mu2 "
-                                    "must be equal");
-      mu = value->front();
-    }
-    urdf_.friction[link] = mu;
+    const auto error = path ? error_of_mesh(*path) : path.error().message;
+    if (!error) return;
+    if (!is_drawn_only(e) || !(path && mesh_exists(*path))) return spoil(e, what + " " + *error);
+    urdf_.shapeless.insert(&e);
+    note(e, what + " (it " + *error + ")");
   }
 
   void collect() {
@@ -336,16 +311,17 @@ class Check {
       joints_sound_ = false;
       return object(joint, "<joint> lacks the attribute `type`");
     }
-    if (!urdf_.moves(joint) && std::string(type) != "fixed") {
+    if (!urdf_.moves(joint) && std::string(type) != "fixed" && std::string(type) != "floating") {
       joints_sound_ = false;
       object(joint, "joint `" + name + "` has type \"" + type +
-                        "\"; the supported types are revolute, continuous, prismatic and fixed");
+                        "\"; the supported types are revolute, continuous, prismatic, fixed and floating");
     }
     const std::string parent = end_of(joint, "parent"), child = end_of(joint, "child");
     const bool fresh = !child.empty() && urdf_.joint_to.emplace(child, &joint).second;
     if (!child.empty() && !fresh)
       object(joint, "link `" + child + "` is already the child of joint `" +
                         urdf_.joint_to.at(child)->Attribute("name") + "`");
+    if (std::string(type) == "floating") floating_ = &joint;
     joints_sound_ = joints_sound_ && fresh && !parent.empty();
     if (fresh && !parent.empty()) parent_of_[child] = parent;
     if (urdf_.moves(joint)) check_moving(joint, name, type);
@@ -357,16 +333,20 @@ class Check {
     if (type != "continuous" && limit == nullptr)
       object(joint, "joint `" + name + "` lacks <limit>; give limits" +
                         (slides ? "" : ", or the type continuous"));
-    if (type != "continuous" && sound(limit) &&
-        !(number_of(*limit, "lower", 0) < number_of(*limit, "upper", 0)))
-      object(*limit, "lower limit of joint `" + name +
-                         "` is not below the upper one; a joint that cannot move is fixed");
+    if (type != "continuous" && sound(limit)) {
+      const double lower = number_of(*limit, "lower", 0), upper = number_of(*limit, "upper", 0);
+      if (lower > upper)
+        object(*limit, "lower limit of joint `" + name + "` is above the upper one; swap them");
+      if (lower == upper) note(*limit, "range of joint `" + name + "` (its limits are equal)");
+    }
     for (const char* side : {"lower", "upper"}) {
-      if (sound(limit) &&
-          std::abs(number_of(*limit, side, 0)) > (slides ? kLargest : kLargestTurn))
+      const double value = sound(limit) ? std::abs(number_of(*limit, side, 0)) : 0;
+      if (value >= kStatedUnlimited)
+        note(*limit, std::string(side) + " limit of joint `" + name + "` (1000 and more: no limit)");
+      else if (value > kLargestTurn)
         object(*limit, std::string(side) + " limit of joint `" + name + "` is " +
                            limit->Attribute(side) +
-                           (slides ? " m; limits are from -10 to 10 m"
+                           (slides ? " m; limits are from -100 to 100 m"
                                    : " rad; limits are from -100 to 100 rad"));
     }
     for (const char* least : {"effort", "velocity"}) {
@@ -398,6 +378,7 @@ class Check {
       }
       urdf_.root = name;
     }
+    if (floating_ != nullptr) free_root(*floating_);
     for (const auto& [name, link] : urdf_.links) {
       std::string at = name;
       for (std::size_t steps = 0; parent_of_.contains(at); ++steps) {
@@ -405,6 +386,19 @@ class Check {
         at = parent_of_.at(at);
       }
     }
+  }
+
+  // A floating joint from an empty root frees its child, which becomes the root.
+  void free_root(const Element& joint) {
+    const std::string parent = joint.FirstChildElement("parent")->Attribute("link");
+    const auto is_child = [&](const auto& one) { return one.second == parent; };
+    if (parent != urdf_.root || std::ranges::count_if(parent_of_, is_child) != 1 ||
+        urdf_.links.at(parent)->FirstChildElement() != nullptr)
+      return object(joint, std::string("joint `") + joint.Attribute("name") +
+                               "` is floating, which is supported only as the one joint of an empty "
+                               "root link; use a fixed joint");
+    urdf_.root = joint.FirstChildElement("child")->Attribute("link");
+    note(joint, "floating joint (the robot is free)");
   }
 
   // `at` is on a loop. The error names the loop's first joint in the file.
@@ -421,7 +415,9 @@ class Check {
   const ReadOptions& options_;
   Objections objections_;
   std::set<const Element*> spoiled_;
+  std::map<std::string, std::optional<std::string>> mesh_errors_;  // by path
   std::map<std::string, std::string> parent_of_;
+  const Element* floating_ = nullptr;
   bool joints_sound_ = true;
 };
 
@@ -446,7 +442,7 @@ Eigen::Matrix3d tensor_of(const Element& inertia) {
 }
 
 Result<Urdf> check_urdf(XmlFile file, const ReadOptions& options) {
-  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}};
+  Urdf urdf{std::move(file), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   KAZ_TRY(Check(urdf, options).run());
   return urdf;
 }

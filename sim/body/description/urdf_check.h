@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ namespace kaz::sim {
 
 // If the root link has this name, the root link is fixed in the world, at the robot's start pose.
 inline constexpr const char* kFixedRoot = "world";
+// Limits of this size mean that the joint has none, rad or m. Exporters write 1e16.
+inline constexpr double kStatedUnlimited = 1000;
+// Largest ratio of a principal moment of inertia to the sum of the two others. For rigid bodies it is at most
+// 1, but CAD programs and estimates violate this. The dynamics need only positive moments.
+inline constexpr double kLargestExcess = 1.5;
 
 // A joint that follows another joint: angle = ratio * (angle of `joint`) + offset (rad).
 struct Mimic {
@@ -30,6 +36,8 @@ struct Urdf {
       joint_to;                            // joint by the name of its child link
   std::string root;                        // name of the root link
   std::map<std::string, double> friction;  // coefficient mu of each link that states one
+  std::set<const tinyxml2::XMLElement*> shapeless;  // parts of <geometry> that are left out
+  std::map<std::string, double> inertia_scales;  // PyBullet's factor of each link that states one
   std::vector<FileNote> notes;
   std::map<std::string, Mimic>
       mimics;  // by name of the follower; Mimic::joint does not follow a joint

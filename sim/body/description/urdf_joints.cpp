@@ -44,7 +44,7 @@ std::optional<std::string> mimic_error(const Urdf& urdf, const JointsByName& joi
 
 }  // namespace
 
-void resolve_mimics(Urdf& urdf, const JointObjection& object) {
+void resolve_mimics(Urdf& urdf, const UrdfRemark& object) {
   JointsByName joints, followers;
   for (const auto* joint : urdf.joints) joints.emplace(joint->Attribute("name"), joint);
   bool sound = true;
@@ -77,7 +77,7 @@ void resolve_mimics(Urdf& urdf, const JointObjection& object) {
   }
 }
 
-void check_joint_names(const Urdf& urdf, const JointObjection& object) {
+void check_joint_names(const Urdf& urdf, const UrdfRemark& object) {
   std::vector<const tinyxml2::XMLElement*> driven;
   std::vector<std::string> names;
   for (const auto* joint : urdf.joints) {

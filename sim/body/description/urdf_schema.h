@@ -22,8 +22,8 @@ struct UrdfElement {
 };
 
 inline constexpr UrdfElement kUrdfElements[] = {
-    {"", "robot", Use::used, false, "name", "version"},
-    {"robot", "link", Use::used, true, "name", "type"},
+    {"", "robot", Use::used, false, "name", "version author"},
+    {"robot", "link", Use::used, true, "name", "type concave"},
     {"robot", "joint", Use::used, true, "name type", ""},
     {"robot", "material", Use::used, true, "name", ""},
     {"robot", "transmission", Use::noted, true},
@@ -33,23 +33,36 @@ inline constexpr UrdfElement kUrdfElements[] = {
     {"robot", "sensor", Use::noted, true},
     {"robot", "group", Use::noted, true},
     {"robot", "model", Use::noted, true},
+    {"robot", "frame", Use::noted, true},
+    {"robot", "collision_filter_group", Use::noted, true},
+    {"robot", "isaac_sim_config", Use::noted, true},
     {"robot", "loop_joint", Use::refused, true, "", "", "open the loop, as links must form a tree"},
 
     {"link", "inertial", Use::used, false, "", "name"},
     {"link", "visual", Use::used, true, "name", "group"},
-    {"link", "collision", Use::used, true, "name", "group verbose"},
+    {"link", "collision", Use::used, true, "name", "group verbose concave"},
     {"link", "origin", Use::noted, true},
     {"link", "mass", Use::noted, true},
     {"link", "material", Use::noted, true},
     {"link", "sensor", Use::noted, true},
     {"link", "self_collision_checking", Use::noted, true},
-    {"link", "contact", Use::refused, true, "", "",
-     "give the friction as <gazebo reference=\"LINK\"><mu1>"},
+    {"link", "contact", Use::used, false},
     {"link", "audio_source", Use::noted, true},
 
     {"inertial", "origin", Use::used, false, "xyz rpy quat_xyzw", ""},
     {"inertial", "mass", Use::used, false, "value", ""},
-    {"inertial", "inertia", Use::used, false, "ixx ixy ixz iyy iyz izz", ""},
+    {"inertial", "inertia", Use::used, false, "ixx ixy ixz iyy iyz izz", "iyx izx izy"},
+
+    {"contact", "lateral_friction", Use::used, false, "value", ""},
+    {"contact", "rolling_friction", Use::noted, true},
+    {"contact", "spinning_friction", Use::noted, true},
+    {"contact", "contact_cfm", Use::noted, true},
+    {"contact", "contact_erp", Use::noted, true},
+    {"contact", "stiffness", Use::noted, true},
+    {"contact", "damping", Use::noted, true},
+    {"contact", "friction_anchor", Use::noted, true},
+    {"contact", "restitution", Use::refused, true, "", "", "Kaz's robots do not bounce; remove it"},
+    {"contact", "inertia_scaling", Use::used, false, "value", ""},
 
     {"visual", "origin", Use::used, false, "xyz rpy quat_xyzw", ""},
     {"visual", "geometry", Use::used, false, "", "name"},
@@ -73,9 +86,9 @@ inline constexpr UrdfElement kUrdfElements[] = {
     {"joint", "parent", Use::used, false, "link", ""},
     {"joint", "child", Use::used, false, "link", ""},
     {"joint", "origin", Use::used, false, "xyz rpy quat_xyzw", ""},
-    {"joint", "axis", Use::used, false, "xyz", ""},
+    {"joint", "axis", Use::used, false, "xyz", "rpy"},
     {"joint", "limit", Use::used, false, "lower upper effort velocity",
-     "acceleration deceleration jerk"},
+     "acceleration deceleration jerk k_velocity k_position safety_length_min safety_length_max"},
     {"joint", "dynamics", Use::used, false, "damping friction",
      "spring_reference spring_stiffness armature"},
     {"joint", "mimic", Use::used, false, "joint multiplier offset", ""},
@@ -84,6 +97,30 @@ inline constexpr UrdfElement kUrdfElements[] = {
     {"joint", "joint_properties", Use::noted, true},
     {"joint", "hardwareInterface", Use::noted, true},
     {"joint", "actuator", Use::noted, true},
+};
+
+// Attributes that contain `count` numbers.
+struct UrdfNumbers {
+  const char* element;
+  const char* attribute;
+  std::size_t count;
+  bool needed;
+};
+inline constexpr UrdfNumbers kUrdfNumbers[] = {
+    {"origin", "xyz", 3, false},        {"origin", "rpy", 3, false},
+    {"origin", "quat_xyzw", 4, false},  {"axis", "xyz", 3, true},
+    {"box", "size", 3, true},           {"color", "rgba", 4, true},
+    {"mesh", "scale", 3, false},        {"cylinder", "radius", 1, true},
+    {"cylinder", "length", 1, true},    {"capsule", "radius", 1, true},
+    {"capsule", "length", 1, true},     {"sphere", "radius", 1, true},
+    {"mass", "value", 1, true},         {"inertia", "ixx", 1, true},
+    {"inertia", "iyy", 1, true},        {"inertia", "izz", 1, true},
+    {"inertia", "ixy", 1, false},       {"inertia", "ixz", 1, false},
+    {"inertia", "iyz", 1, false},       {"limit", "lower", 1, false},
+    {"limit", "upper", 1, false},       {"limit", "effort", 1, false},
+    {"limit", "velocity", 1, false},    {"dynamics", "damping", 1, false},
+    {"dynamics", "friction", 1, false}, {"mimic", "multiplier", 1, false},
+    {"mimic", "offset", 1, false},
 };
 
 // Returns the entry of the element `name` in `parent`, or null.

@@ -117,6 +117,7 @@ TEST_F(UrdfFile, TreatsEachElementAsTheSchemaSays) {
     if (element.parent == "joint") robot.joint = added;
     if (element.parent == "collision")
       robot.arm += "<collision>" + added + "<geometry><sphere radius='1'/></geometry></collision>";
+    if (element.parent == "contact") robot.arm += "<contact>" + added + "</contact>";
     if (element.parent == "material") robot.robot = "<material name='m'>" + added + "</material>";
     const auto read = load(robot);
     EXPECT_EQ(read.has_value(), element.use == Use::noted) << added << " in " << element.parent;

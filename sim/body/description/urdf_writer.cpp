@@ -11,6 +11,7 @@
 #include "shared/base/xml_text.hpp"
 #include "sim/body/description/convex_hull.h"
 #include "sim/body/description/mjcf_model.h"
+#include "sim/body/description/urdf_check.h"
 #include "sim/body/description/xml_file.h"
 
 namespace kaz::sim {
@@ -161,9 +162,12 @@ class UrdfWriter {
   void add_joint(const RobotJoint& joint) {
     const RobotLink& child = robot_.links[static_cast<std::size_t>(joint.child)];
     const RobotLink& parent = robot_.links[static_cast<std::size_t>(child.parent)];
-    const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    const bool limited = std::isfinite(joint.lower) || std::isfinite(joint.upper);
     const bool slides = joint.pinion_m > 0;
     const double radius = slides ? joint.pinion_m : 1;  // from rad to the unit of the file
+    const auto side = [radius](double limit) {
+      return exact(std::isfinite(limit) ? limit * radius : std::copysign(kStatedUnlimited, limit));
+    };
     const auto finite = [](double value) { return exact(std::isfinite(value) ? value : 0); };
     const char* type = slides ? "prismatic" : limited ? "revolute" : "continuous";
     text_ += "<joint" + attribute_text("name", joint.name) + attribute_text("type", type) +
@@ -173,10 +177,9 @@ class UrdfWriter {
              origin_text(parent.at_zero.inverse() * child.at_zero) + "<axis" +
              attribute_text("xyz", exact(child.at_zero.linear().transpose() * joint.axis)) +
              "/><limit" +
-             (limited ? attribute_text("lower", exact(joint.lower * radius)) +
-                            attribute_text("upper", exact(joint.upper * radius))
-                      : slides ? attribute_text("lower", "-10") + attribute_text("upper", "10")
-                               : std::string()) +
+             (limited || slides ? attribute_text("lower", side(joint.lower)) +
+                                      attribute_text("upper", side(joint.upper))
+                                : std::string()) +
              attribute_text("effort", finite(joint.effort / radius)) +
              attribute_text("velocity", finite(joint.velocity * radius)) + "/><dynamics" +
              attribute_text("damping", exact(joint.damping / (radius * radius))) +

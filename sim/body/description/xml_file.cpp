@@ -5,19 +5,47 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "shared/base/files.hpp"
 #include "shared/base/one_line.hpp"
 
 namespace kaz::sim {
+namespace {
+
+// Replaces a declaration <?xml ...?> that follows comments by blanks. XML permits it only at the very start,
+// but the parsers of ROS accept it, and old files of xacro have it.
+void blank_late_declaration(std::string& text) {
+  constexpr const char* kBlanks = " \t\r\n";
+  std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
+  at = text.find_first_not_of(kBlanks, at);
+  const std::size_t first = at;
+  while (at != text.npos && text.compare(at, 4, "<!--") == 0) {
+    at = text.find("-->", at);
+    at = at == text.npos ? at : text.find_first_not_of(kBlanks, at + 3);
+  }
+  if (at == first || at == text.npos || text.compare(at, 5, "<?xml") != 0) return;
+  const std::size_t end = text.find("?>", at);
+  if (end == text.npos) return;
+  for (std::size_t i = at; i < end + 2; ++i)
+    if (text[i] != '\n') text[i] = ' ';
+}
+
+}  // namespace
 
 Result<XmlFile> XmlFile::load(const std::string& path, const std::string& root_name,
                               std::size_t max_bytes) {
+  return parse(path, root_name, KAZ_TRY(read_whole_file(path, max_bytes)));
+}
+
+Result<XmlFile> XmlFile::parse(const std::string& path, const std::string& root_name,
+                               std::string text) {
   XmlFile file;
   file.path_ = path;
   file.document_ = std::make_unique<tinyxml2::XMLDocument>();
-  file.text_ = KAZ_TRY(read_whole_file(path, max_bytes));
+  file.text_ = std::move(text);
   KAZ_TRY(file.check_text());
+  blank_late_declaration(file.text_);
   const tinyxml2::XMLError status = file.document_->Parse(file.text_.data(), file.text_.size());
   if (status == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
     return file.error(1, root_name.empty() ? "is empty; it needs an element"
@@ -135,6 +163,14 @@ std::vector<double> numbers_of(const tinyxml2::XMLElement& element, const char* 
                                std::size_t count) {
   const char* text = element.Attribute(attribute);
   return parse_numbers(text == nullptr ? "" : text, count).value_or(std::vector<double>());
+}
+
+std::optional<double> coefficient_in(const tinyxml2::XMLElement& element) {
+  const char* value = element.Attribute("value");
+  const char* text = value != nullptr ? value : element.GetText();
+  const auto numbers = parse_numbers(text == nullptr ? "" : text, 1);
+  if (!numbers || numbers->front() < 0) return std::nullopt;
+  return numbers->front();
 }
 
 std::optional<std::vector<double>> parse_numbers(const std::string& text, std::size_t count) {

@@ -21,6 +21,9 @@ class XmlFile {
   // not `root_name`. An empty `root_name` permits any root element.
   static Result<XmlFile> load(const std::string& path, const std::string& root_name,
                               std::size_t max_bytes = std::size_t{16} << 20);
+  // As load(), of text that was read before. `path` is for error messages.
+  static Result<XmlFile> parse(const std::string& path, const std::string& root_name,
+                               std::string text);
 
   const std::string& path() const { return path_; }
   const tinyxml2::XMLElement& root() const { return *document_->RootElement(); }
@@ -63,6 +66,10 @@ double number_of(const tinyxml2::XMLElement& element, const char* attribute, dou
 // Returns the `count` numbers in an attribute. Empty if the attribute is missing or contains something else.
 std::vector<double> numbers_of(const tinyxml2::XMLElement& element, const char* attribute,
                                std::size_t count);
+
+// Returns the number in the attribute `value` or, as Gazebo permits, in the text. nullopt if the number is
+// missing, invalid or negative.
+std::optional<double> coefficient_in(const tinyxml2::XMLElement& element);
 
 // Parses exactly `count` finite numbers separated by whitespace. If the number of values in `text` is not
 // `count`, returns nullopt. If a value is not a finite number, also returns nullopt. The locale of the

@@ -47,6 +47,10 @@ Matrix3d turned(const Matrix3d& turn, const Vector3d& axis, double angle) {
   return turn * r;
 }
 
+// Moment of inertia of a link without mass, kg m2. Two joints with such a link between them can become
+// parallel, which would make the mass matrix singular. The rotor of a small servo has 5e-4 kg m2.
+constexpr double kEmptyLinkInertia = 1e-7;
+
 // Inertia of a point mass at r about the origin: m (r^2 I - r r^T), kg m2.
 Matrix3d point_inertia(double mass, const Vector3d& r) {
   return mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
@@ -76,6 +80,8 @@ ArticulatedTree::ArticulatedTree(const RobotModel& robot, const Eigen::Isometry3
     link.mass = from.rigid.mass;
     link.own_com = from.rigid.com;
     link.own_inertia = from.rigid.inertia;
+    if (from.parent >= 0 && link.mass == 0)
+      link.own_inertia = kEmptyLinkInertia * Matrix3d::Identity();
     mass_ += link.mass;
     if (from.parent >= 0) {
       const RobotLink& parent = robot.links[index(from.parent)];
