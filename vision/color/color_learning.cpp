@@ -57,7 +57,43 @@ void measure(const Image& image, const PictureRegion& region, LearnedColor& lear
   learned.outside = others > 0 ? static_cast<double>(all - inside) / others : 0;
 }
 
+// Widens `range` to contain `other`. Hues are angles, so `other` is first turned near to the range.
+void widen(ColorRange& range, ColorRange other) {
+  const double apart = range.hue_min + range.hue_max - other.hue_min - other.hue_max;
+  const double turns = 2 * kPi * std::round(apart / (4 * kPi));
+  range.hue_min = std::min(range.hue_min, other.hue_min + turns);
+  range.hue_max = std::max(range.hue_max, other.hue_max + turns);
+  range.saturation_min = std::min(range.saturation_min, other.saturation_min);
+  range.y_min = std::min(range.y_min, other.y_min);
+}
+
 }  // namespace
+
+Result<LearnedColor> learn_color(std::span<const MarkedPicture> pictures) {
+  if (pictures.empty()) return fail(Fault::usage, "no picture to learn a color from: give one");
+  LearnedColor all;
+  for (const MarkedPicture& picture : pictures) {
+    const auto learned = learn_color(picture.image, picture.region);
+    if (!learned) return fail(learned.error().fault, picture.name + ": " + learned.error().message);
+    if (&picture == pictures.data()) {
+      all.range = learned->range;
+    } else {
+      widen(all.range, learned->range);
+    }
+    if (all.range.hue_max - all.range.hue_min >= kPi)
+      return fail(Fault::failed,
+                  picture.name +
+                      ": its color differs too much from that of the pictures before "
+                      "it: mark the same object in all pictures");
+  }
+  for (const MarkedPicture& picture : pictures) {
+    LearnedColor one{all.range, 0, 0};
+    measure(picture.image, picture.region, one);
+    all.inside += one.inside / static_cast<double>(pictures.size());
+    all.outside += one.outside / static_cast<double>(pictures.size());
+  }
+  return all;
+}
 
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region) {
   const auto bytes =
