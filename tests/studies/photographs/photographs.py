@@ -117,25 +117,24 @@ def search(program, folder, place, places, out):
     """Finds in the pictures of a place: {picture: [Find, ...]}, best first."""
     learned = learning_balls(places, place)
     color = out / f"{place}.color.json"
-    ball = learned[0]
-    kaz(program, "vision", "learn-color", "--in", folder / f"{ball.picture}.jpg", "--region", region_of(ball),
-        "--out", color)
+    marked = [word for ball in learned
+              for word in ("--in", folder / f"{ball.picture}.jpg", "--region", region_of(ball))]
+    kaz(program, "vision", "learn-color", *marked, "--out", color)
     pictures = out / f"{place}.pictures"
     shutil.rmtree(pictures, ignore_errors=True)
     pictures.mkdir()
     for picture in places[place]:
         (pictures / f"{flat(picture)}.jpg").symlink_to((folder / f"{picture}.jpg").resolve())
-    kaz(program, "vision", "run", "--in", pictures, "--view", 90, "--color", color,
-        "--out", out / f"{place}.run")
+    kaz(program, "vision", "run", "--in", pictures, "--color", color, "--out", out / f"{place}.run")
     result = json.loads((out / f"{place}.run/result.json").read_text())
     finds = {one["picture"]: [Find(*b["center_px"], 2 * b["radius_px"])
-                              for b in one.get("balls", [one] if one["found"] else [])]
+                              for b in one["balls"]]
              for one in result["pictures"]}
     return {picture: finds[f"{flat(picture)}.jpg"] for picture in places[place]}
 
 
 def tables(places, finds):
-    """Rows (place, diameter, visible, balls, found), rows (place, pictures, finds, false finds, on a ball), and
+    """Rows (place, diameter, visible, balls, found), rows (place, pictures, finds, false, on a ball), and
     all balls and false finds."""
     counts, falses, lines = collections.Counter(), [], []
     for place, pictures in places.items():

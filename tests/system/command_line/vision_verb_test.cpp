@@ -309,7 +309,7 @@ TEST(VisionVerb, RefusesInOneSentence) {
   write_file(folder / "nothing.png", "");
   expect_refusal(look({"--in", folder / "nothing.png", "--view", "60"}), 2,
                  {"nothing.png", "the file is empty"});
-  expect_refusal(look({"--in", folder / "bad"}), 2, {"--calibration", "--view"});
+  expect_refusal(look({"--in", folder / "bad"}), 1, {"none of 1 picture in"});
   expect_refusal(look({"--left", folder / "grey.ppm", "--right", folder / "grey.ppm", "--modules",
                        "depth,depth"}),
                  2, {"names 'depth' twice"});
