@@ -3,7 +3,9 @@
 #include "vision/color/ball_outline.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
+#include <numbers>
 
 #include "vision/color/outline.h"
 #include "vision/color/outline_edges.h"
@@ -12,11 +14,15 @@
 namespace kaz::vision {
 namespace {
 
-// The directions with an edge on the outline, and their longest part.
-void measure_edges(const Image& image, const BallOutline& outline, OutlineEvidence& evidence) {
+using Directions = std::bitset<kOutlineRays>;
+
+// Returns the directions with an edge on the outline, and measures their longest part.
+Directions measure_edges(const Image& image, const BallOutline& outline,
+                         OutlineEvidence& evidence) {
   const double tolerance = std::max(1.0, 0.08 * outline.radius_px);
   const RayEdges edges = edges_near(image, outline, std::max(3.0, 0.25 * outline.radius_px));
-  int on = 0, part = 0, longest = 0;
+  Directions on;
+  int part = 0, longest = 0;
   // Twice around, for a part that crosses the first direction. A gap costs twice its length.
   for (std::size_t k = 0; k < 2 * kOutlineRays; ++k) {
     const RayEdge& edge = edges[k % kOutlineRays];
@@ -25,10 +31,11 @@ void measure_edges(const Image& image, const BallOutline& outline, OutlineEviden
         edge.strong() && std::abs(edge.radius - outline.radius_at(cosine, sine)) < tolerance;
     part = good ? part + 1 : std::max(0, part - 2);
     longest = std::max(longest, part);
-    if (good && k < kOutlineRays) ++on;
+    on[k % kOutlineRays] = good;
   }
-  evidence.support = static_cast<double>(on) / kOutlineRays;
+  evidence.support = static_cast<double>(on.count()) / kOutlineRays;
   evidence.arc = std::min(1.0, static_cast<double>(longest) / kOutlineRays);
+  return on;
 }
 
 int brightness(const Image& image, std::size_t pixel) {
@@ -61,10 +68,11 @@ class PixelCounts {
   // `bright`: mean brightness of the region. A brighter pixel without the ball's color is a highlight.
   explicit PixelCounts(double bright) : bright_(bright) {}
 
-  void add_within(bool colored, int brightness, bool upper) {
-    ++within_;
-    if (colored) ++ball_;
-    if (!colored && brightness > bright_) ++light_;
+  // `visible`: the outline is on an edge in the direction of the pixel, so nothing hides the ball there.
+  void add_within(bool colored, int brightness, bool upper, bool visible) {
+    if (visible) ++visible_;
+    if (visible && colored) ++ball_;
+    if (visible && !colored && brightness > bright_) ++light_;
     Half& half = upper ? upper_ : lower_;
     half.brightness += brightness;
     ++half.pixels;
@@ -75,12 +83,12 @@ class PixelCounts {
   }
   void write(OutlineEvidence& evidence) const {
     // Highlights count at most as much as the pixels of the ball's color.
-    evidence.filled = static_cast<double>(ball_ + std::min(ball_, light_)) / std::max(1, within_);
+    evidence.filled = static_cast<double>(ball_ + std::min(ball_, light_)) / std::max(1, visible_);
     evidence.isolated = around_ > 0 ? 1 - static_cast<double>(same_) / around_ : 0;
     const double sum = upper_.brightness + lower_.brightness;
     if (upper_.pixels == 0 || lower_.pixels == 0 || sum <= 0) return;
     const double difference = upper_.brightness / upper_.pixels - lower_.brightness / lower_.pixels;
-    evidence.shading = std::clamp(difference * within_ / sum, -0.5, 0.5);
+    evidence.shading = std::clamp(difference * (upper_.pixels + lower_.pixels) / sum, -0.5, 0.5);
   }
 
  private:
@@ -89,13 +97,17 @@ class PixelCounts {
     int pixels = 0;
   };
   double bright_;
-  int within_ = 0, ball_ = 0, light_ = 0, around_ = 0, same_ = 0;
+  int visible_ = 0, ball_ = 0, light_ = 0, around_ = 0, same_ = 0;
   Half upper_, lower_;
 };
 
-void measure_colors(const Image& image, const Mask& mask, double bright, const BallOutline& outline,
-                    OutlineEvidence& evidence) {
+void measure_colors(const Image& image, const Mask& mask, const Directions& on_edge, double bright,
+                    const BallOutline& outline, OutlineEvidence& evidence) {
   PixelCounts counts(bright);
+  const auto is_visible = [&](double du, double dv) {
+    const double turn = std::atan2(dv, du) / (2 * std::numbers::pi) + 1;
+    return on_edge[static_cast<std::size_t>(turn * kOutlineRays + 0.5) % kOutlineRays];
+  };
   const double reach = 1.8 * outline.radius_px + 2;
   const auto from = [&](double center) { return static_cast<int>(std::max(0.0, center - reach)); };
   const auto to = [&](double center, int size) {
@@ -106,7 +118,8 @@ void measure_colors(const Image& image, const Mask& mask, double bright, const B
       const std::size_t pixel = index_of(image, u, v);
       const bool colored = mask.pixels[pixel] != 0;
       if (outline.contains(u, v, 1, -0.5)) {
-        counts.add_within(colored, brightness(image, pixel), v < outline.center_v);
+        counts.add_within(colored, brightness(image, pixel), v < outline.center_v,
+                          is_visible(u - outline.center_u, v - outline.center_v));
       } else if (outline.contains(u, v, 1.5, 1) && !outline.contains(u, v, 1.1, 1)) {
         counts.add_around(colored);
       }
@@ -128,13 +141,14 @@ bool BallOutline::contains(double u, double v, double scale, double margin_px) c
 
 double outline_confidence(const OutlineEvidence& e, double radius_px) {
   if (e.support < 0.3) return 0;
-  const double logit = 3.3 * e.support + 5.5 * e.arc + 6.4 * e.filled + 45 * e.isolated +
-                       7 * e.covers + 2.1 * std::log(radius_px) + 8.1 * e.shading - 71.9;
+  const double logit = 7 * e.arc + 7.6 * e.filled + 42.3 * e.isolated + 7.9 * e.covers +
+                       2 * std::log(radius_px) + 7.7 * e.shading - 69.35;
   return 1 / (1 + std::exp(-logit));
 }
 
 std::optional<BallOutline> fit_outline(const Image& image, const Mask& mask, const Region& region) {
   const std::vector<OutlinePoint> points = outline_of(region, image.width, image.height);
+  constexpr double kSure = 0.9;  // the other hypotheses would take time and change little
   std::optional<BallOutline> best;
   for (BallOutline outline : outline_hypotheses(region, points)) {
     bool fits = true;
@@ -143,11 +157,12 @@ std::optional<BallOutline> fit_outline(const Image& image, const Mask& mask, con
       fits = fits && fit_to_edges(outline, edges_near(image, outline, reach));
     }
     if (!fits) continue;
-    measure_edges(image, outline, outline.evidence);
+    const Directions on_edge = measure_edges(image, outline, outline.evidence);
     const double bright = measure_region(image, region, outline, outline.evidence);
-    measure_colors(image, mask, bright, outline, outline.evidence);
+    measure_colors(image, mask, on_edge, bright, outline, outline.evidence);
     outline.confidence = outline_confidence(outline.evidence, outline.radius_px);
     if (!best || outline.confidence > best->confidence) best = outline;
+    if (best->confidence > kSure) break;
   }
   return best;
 }

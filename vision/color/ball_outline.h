@@ -24,7 +24,9 @@ namespace kaz::vision {
 struct OutlineEvidence {
   double support = 0;  // share of the directions that have an edge on the outline
   double arc = 0;  // share of the directions in the longest part of the outline that lies on edges
-  double filled = 0;    // share of the pixels within that have the ball's color or are highlights
+  // Share of the pixels within that have the ball's color or are highlights, in directions with an edge on
+  // the outline. In other directions, an object may hide the ball.
+  double filled = 0;
   double isolated = 0;  // share of the pixels around the outline that do not have the ball's color
   double covers = 0;    // share of the region's pixels that are within the outline
   // Brightness of the upper half less that of the lower half, relative to the mean, -0.5 to 0.5. Light mostly
@@ -53,7 +55,8 @@ struct BallOutline {
 double outline_confidence(const OutlineEvidence& evidence, double radius_px);
 
 // Fits an outline to a region of `mask`, the color mask of `image`. Returns the hypothesis with the highest
-// confidence, or nullopt if the edges determine none. The radius is more than 2 px.
+// confidence, or the first one above 0.9. Returns nullopt if the edges determine none. The radius is more
+// than 2 px.
 std::optional<BallOutline> fit_outline(const Image& image, const Mask& mask, const Region& region);
 
 struct OutlineOptions {

@@ -150,8 +150,8 @@ TEST(OutlineConfidence, GrowsWithEvidence) {
   EXPECT_GT(outline_confidence(good, 20), 0.95);
   EXPECT_GT(outline_confidence(good, 20), outline_confidence(good, 5));
   for (double OutlineEvidence::*member :
-       {&OutlineEvidence::support, &OutlineEvidence::arc, &OutlineEvidence::filled,
-        &OutlineEvidence::isolated, &OutlineEvidence::covers, &OutlineEvidence::shading}) {
+       {&OutlineEvidence::arc, &OutlineEvidence::filled, &OutlineEvidence::isolated,
+        &OutlineEvidence::covers, &OutlineEvidence::shading}) {
     OutlineEvidence worse = good;
     worse.*member -= 0.3;
     EXPECT_LT(outline_confidence(worse, 20), outline_confidence(good, 20));
