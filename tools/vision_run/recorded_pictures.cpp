@@ -19,6 +19,7 @@
 #include "vision/calibration/calibration_file.h"
 #include "vision/calibration/rectify.h"
 #include "vision/color/ball.h"
+#include "vision/color/ball_outline.h"
 #include "vision/image/picture_file.h"
 
 namespace kaz::tools {
@@ -60,6 +61,7 @@ class Lens {
     lens.rectifier_.emplace(calibration);
     return lens;
   }
+  bool has_model() const { return rectifier_ || view_deg_ > 0; }
   // Makes of a picture of the left eye what its model is of.
   Result<vision::CameraModel> prepare(Image& image) const {
     if (rectifier_) {
@@ -93,27 +95,94 @@ class Lens {
 struct Looked {
   std::string picture, error;
   BallObservation ball;
+  std::vector<vision::BallOutline> outlines;  // all balls, best first; only without a camera model
   double ms = 0;
 };
 
-Image overlay(const Image& image, const vision::Mask& mask, const BallObservation& ball) {
+// Finds the ball with its distance if the lens has a camera model, else all balls in pixels.
+class PictureSearch {
+ public:
+  PictureSearch(const Lens& lens, const vision::BallOptions& ball)
+      : lens_(lens), balls_(ball), outlines_({.color = ball.color}) {}
+
+  bool measures() const { return lens_.has_model(); }
+  // Rectifies `image` if the lens has a calibration.
+  void search(Image& image, Looked& looked) {
+    vision::FrameInfo info;
+    if (measures()) {
+      const auto camera = lens_.prepare(image);
+      if (!camera) {
+        looked.error = camera.error().message;
+        return;
+      }
+      info.camera = *camera;
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    if (measures()) {
+      looked.ball = balls_.detect(image, info);
+    } else {
+      looked.outlines = outlines_.find(image);
+    }
+    looked.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    if (looked.ball.error) looked.error = looked.ball.error->message;
+    if (!looked.outlines.empty()) looked.ball = in_pixels(looked.outlines.front());
+  }
+  const vision::Mask& mask() const { return measures() ? balls_.mask() : outlines_.mask(); }
+
+ private:
+  static BallObservation in_pixels(const vision::BallOutline& outline) {
+    BallObservation ball;
+    ball.found = true;
+    ball.center_u = outline.center_u;
+    ball.center_v = outline.center_v;
+    ball.radius_px = outline.radius_px;
+    ball.confidence = outline.confidence;
+    return ball;
+  }
+
+  const Lens& lens_;
+  vision::BallFinder balls_;
+  vision::OutlineFinder outlines_;
+};
+
+Image overlay(const Image& image, const vision::Mask& mask, const Looked& looked) {
   Image marked = image;
-  if (ball.found) {
+  const BallObservation& ball = looked.ball;
+  const double size = std::max(10.0, image.width / 40.0);
+  for (const vision::BallOutline& one : looked.outlines)
+    figure::draw_circle(marked, one.center_u, one.center_v, one.radius_px + 2, figure::kYellow,
+                        1.5);
+  if (ball.found && looked.outlines.empty()) {
     figure::draw_circle(marked, ball.center_u, ball.center_v, ball.radius_px + 2, figure::kYellow,
                         1.5);
     char text[64];
     std::snprintf(text, sizeof text, "%.3f m", ball.distance_m);
-    figure::draw_text(marked, ball.center_u + ball.radius_px + 6, ball.center_v + 4, text,
-                      std::max(10.0, image.width / 40.0), figure::kYellow);
+    figure::draw_text(marked, ball.center_u + ball.radius_px + 6, ball.center_v + 4, text, size,
+                      figure::kYellow);
   }
   const figure::Panel panels[] = {{std::move(marked), ball.found ? "ball" : "no ball"},
                                   {figure::mask_picture(mask, image), "color"}};
   return figure::compose(panels, 2, image.height);
 }
 
-Json as_json(const Looked& looked) {
+Json outline_json(const vision::BallOutline& outline) {
+  return {{"center_px", {outline.center_u, outline.center_v}},
+          {"radius_px", outline.radius_px},
+          {"confidence", outline.confidence}};
+}
+
+Json as_json(const Looked& looked, bool measures) {
   Json one{{"picture", looked.picture}};
-  one.update(ball_json(looked.ball));
+  if (measures) {
+    one.update(ball_json(looked.ball));
+  } else {
+    one["found"] = looked.ball.found;
+    if (looked.ball.found) one.update(outline_json(looked.outlines.front()));
+    one["balls"] = Json::array();
+    for (const vision::BallOutline& outline : looked.outlines)
+      one["balls"].push_back(outline_json(outline));
+  }
   if (!looked.error.empty()) one["error"] = looked.error;
   return one;
 }
@@ -124,14 +193,17 @@ std::string quoted(const std::string& text) {
   return all + "\"";
 }
 
-std::string csv(const std::vector<Looked>& all) {
+std::string csv(const std::vector<Looked>& all, bool measures) {
   std::string text =
       "picture,found,center_u_px,center_v_px,radius_px,distance_m,x_m,y_m,z_m,confidence,error\n";
   for (const Looked& one : all) {
     char numbers[200] = ",,,,,,,";
     const BallObservation& b = one.ball;
     const Eigen::Vector3d at = b.position();
-    if (b.found)
+    if (b.found && !measures)
+      std::snprintf(numbers, sizeof numbers, "%.3f,%.3f,%.3f,,,,,%.3f", b.center_u, b.center_v,
+                    b.radius_px, b.confidence);
+    else if (b.found)
       std::snprintf(numbers, sizeof numbers, "%.3f,%.3f,%.3f,%.5f,%.5f,%.5f,%.5f,%.3f", b.center_u,
                     b.center_v, b.radius_px, b.distance_m, at.x(), at.y(), at.z(), b.confidence);
     text += quoted(one.picture) + "," + (b.found ? "1," : "0,") + numbers + "," +
@@ -141,49 +213,39 @@ std::string csv(const std::vector<Looked>& all) {
 }
 
 // One picture; its overlay is written, if it could be looked at.
-Result<Looked> look(const std::string& path, const Lens& lens, vision::BallFinder& detector,
-                    const OutputFolder& folder) {
-  Looked looked{fs::path(path).filename().string(), {}, {}, 0};
+Result<Looked> look(const std::string& path, PictureSearch& search, const OutputFolder& folder) {
+  Looked looked{fs::path(path).filename().string(), {}, {}, {}, 0};
   auto image = vision::read_picture(path);
   if (!image) {
     looked.error = image.error().message.substr(path.size() + 2);
     return looked;
   }
-  vision::FrameInfo info;
-  const auto camera = lens.prepare(*image);
-  if (!camera) {
-    looked.error = camera.error().message;
-    return looked;
-  }
-  info.camera = *camera;
-  const auto begin = std::chrono::steady_clock::now();
-  looked.ball = detector.detect(*image, info);
-  looked.ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  if (looked.ball.error) {
-    looked.error = looked.ball.error->message;
-    return looked;
-  }
+  search.search(*image, looked);
+  if (!looked.error.empty()) return looked;
   KAZ_TRY(figure::write_png(folder.path(looked.picture + ".ball.png"),
-                            overlay(*image, detector.mask(), looked.ball)));
+                            overlay(*image, search.mask(), looked)));
   return looked;
 }
 
 Result<bool> report(const std::vector<Looked>& all, const RecordedOptions& options,
-                    const vision::ColorRange& color, const OutputFolder& folder, bool interrupted) {
-  KAZ_TRY(folder.write("ball.csv", csv(all)));
+                    const vision::ColorRange& color, bool measures, const OutputFolder& folder,
+                    bool interrupted) {
+  KAZ_TRY(folder.write("ball.csv", csv(all, measures)));
   std::vector<double> ms;
   Json pictures = Json::array();
   int found = 0;
   for (const Looked& one : all) {
-    pictures.push_back(as_json(one));
+    pictures.push_back(as_json(one, measures));
     found += one.ball.found;
     if (one.error.empty()) ms.push_back(one.ms);
   }
   std::sort(ms.begin(), ms.end());
-  Json result{
-      {"modules", {"color"}}, {"pictures_in", options.in},  {"pictures_looked_at", ms.size()},
-      {"balls", found},       {"color", color_json(color)}, {"radius_m", options.radius_m}};
+  Json result{{"modules", {"color"}},
+              {"pictures_in", options.in},
+              {"pictures_looked_at", ms.size()},
+              {"balls", found},
+              {"color", color_json(color)}};
+  if (measures) result["radius_m"] = options.radius_m;
   if (!ms.empty()) result["latency_ms"] = {{"median", ms[ms.size() / 2]}, {"max", ms.back()}};
   result["pictures"] = pictures;
   result["provenance"] = provenance_json();
@@ -245,9 +307,9 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
     return fail(Fault::usage,
                 "--nearest is only valid with depth, which single pictures do not have: leave out "
                 "--nearest, or give pairs (--left, --right)");
-  if (options.calibration.empty() == (options.view_deg == 0))
+  if (!options.calibration.empty() && options.view_deg != 0)
     return fail(Fault::usage,
-                "distances need a camera model: give either --calibration FILE or --view DEGREES");
+                "--calibration and --view are both camera models: give only one of them");
   auto paths = KAZ_TRY(pictures_in(options.in));
   if (options.frames > 0 && options.frames < paths.size()) paths.resize(options.frames);
   const auto lens = KAZ_TRY(Lens::of(options));
@@ -256,7 +318,7 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
   if (fs::equivalent(options.in, options.out, error))
     return fail(Fault::usage, "--out is the folder of --in: choose another folder for the results");
   const auto folder = KAZ_TRY(OutputFolder::begin(options.out, vision_output()));
-  vision::BallFinder detector(ball);
+  PictureSearch search(lens, ball);
   std::vector<Looked> all;
   host::Interrupt interrupt;
   const InterruptSignals signals(interrupt);
@@ -266,13 +328,13 @@ Result<bool> run_on_pictures(const RecordedOptions& options) {
       if (interrupt.requested()) break;
       progress.update(static_cast<double>(all.size()) / static_cast<double>(paths.size()),
                       fs::path(path).filename().string());
-      auto looked = KAZ_TRY(look(path, lens, detector, folder));
+      auto looked = KAZ_TRY(look(path, search, folder));
       all.push_back(std::move(looked));
     }
     if (all.size() == paths.size()) progress.update(1, "done");
   }
   const bool interrupted = all.size() < paths.size();
-  return report(all, options, ball.color, folder, interrupted);
+  return report(all, options, ball.color, search.measures(), folder, interrupted);
 }
 
 }  // namespace kaz::tools

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "shared/base/counted.hpp"
 #include "tools/base/output.h"
 #include "tools/base/output_file.h"
 #include "tools/base/provenance.h"
@@ -19,7 +20,8 @@ namespace kaz::tools {
 namespace {
 
 struct LearnArguments {
-  std::string in, region, out;
+  std::vector<std::string> in, region;
+  std::string out;
   bool json = false;
 };
 
@@ -35,21 +37,32 @@ Result<vision::PictureRegion> parse_region(const std::string& text) {
 }
 
 Result<ExitStatus> learn(const LearnArguments& arguments) {
-  const auto region = KAZ_TRY(parse_region(arguments.region));
+  if (arguments.in.size() != arguments.region.size())
+    return fail(Fault::usage, "--in has " + counted(arguments.in.size(), "picture") +
+                                  ", --region has " + counted(arguments.region.size(), "region") +
+                                  ": give one region for each picture, in the same order");
+  std::vector<vision::PictureRegion> regions;
+  for (const std::string& text : arguments.region) {
+    const auto region = KAZ_TRY(parse_region(text));
+    regions.push_back(region);
+  }
   auto out = KAZ_TRY(OutputFile::open(arguments.out, "--out"));
-  const auto image = KAZ_TRY(vision::read_picture(arguments.in));
-  const auto learned = vision::learn_color(image, region);
-  if (!learned) return fail(learned.error().fault, arguments.in + ": " + learned.error().message);
-  nlohmann::ordered_json json = color_json(learned->range);
-  json["share_of_region"] = learned->inside;
-  json["share_of_rest"] = learned->outside;
+  std::vector<vision::MarkedPicture> pictures;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    auto image = KAZ_TRY(vision::read_picture(arguments.in[i]));
+    pictures.push_back({arguments.in[i], std::move(image), regions[i]});
+  }
+  const auto learned = KAZ_TRY(vision::learn_color(pictures));
+  nlohmann::ordered_json json = color_json(learned.range);
+  json["share_of_region"] = learned.inside;
+  json["share_of_rest"] = learned.outside;
   std::string warning;
-  if (learned->too_common()) {
+  if (learned.too_common()) {
     char text[200];
     std::snprintf(text, sizeof text,
                   "%.0f %% of the rest of the picture also has this color. If these pixels do not "
                   "show the object, mark only the object or take a picture with another background",
-                  100 * learned->outside);
+                  100 * learned.outside);
     warning = text;
     json["warning"] = warning;
   }
@@ -64,8 +77,8 @@ Result<ExitStatus> learn(const LearnArguments& arguments) {
       "color: hue %.3f to %.3f rad, saturation at least %.2f, lightness at least %.0f; %.1f %% of "
       "the region and %.2f %% of the rest of the picture have this color\n"
       "written: %s\n",
-      learned->range.hue_min, learned->range.hue_max, learned->range.saturation_min,
-      learned->range.y_min, 100 * learned->inside, 100 * learned->outside, arguments.out.c_str());
+      learned.range.hue_min, learned.range.hue_max, learned.range.saturation_min,
+      learned.range.y_min, 100 * learned.inside, 100 * learned.outside, arguments.out.c_str());
   if (!warning.empty()) print_lines("warning: %s\n", warning.c_str());
   return ExitStatus(true);
 }
@@ -74,7 +87,9 @@ void add_learn(CLI::App& vision, Action& action) {
   auto* verb = vision.add_subcommand(
       "learn-color", "learn the thresholds of a color from a marked region of a picture");
   auto arguments = std::make_shared<LearnArguments>();
-  verb->add_option("--in", arguments->in, "picture that shows the object")
+  verb->add_option("--in", arguments->in,
+                   "picture that shows the object. Repeat --in and --region for several pictures, "
+                   "such as of other places or other light")
       ->required()
       ->type_name("PICTURE");
   verb->add_option("--region", arguments->region,
@@ -147,9 +162,9 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       verb->add_option("--calibration", options->calibration,
                        "calibration file of the cameras, written by kaz calibrate stereo or in "
                        "OpenCV's format, or LEFT.yaml,RIGHT.yaml of ROS (camera_info). Stereo "
-                       "pairs (--left and --right) and v4l2 cameras need this file. For one "
-                       "picture or a folder of pictures, give either this file or --view; Kaz "
-                       "treats the pictures as pictures of the left eye")
+                       "pairs (--left and --right) and v4l2 cameras need this file. One picture "
+                       "or a folder of pictures is treated as pictures of the left eye. Without "
+                       "this file and --view, Kaz finds balls in pixels, without distance")
           ->type_name("FILE");
   verb->add_option(
           "--view", options->view_deg,
@@ -194,6 +209,7 @@ void add_run_on_pictures(CLI::App& vision, Action& action) {
       "kept.\n"
       "Examples:\n"
       "  kaz vision run --in pictures --view 60 --out found\n"
+      "  kaz vision run --in photographs --color ball.json --out found\n"
       "  kaz vision run --in left --calibration stereo.yml --color ball.json --radius 0.033 \\\n"
       "      --out found --json\n"
       "  kaz vision run --left 'eyes/left*.png' --right 'eyes/right*.png' \\\n"

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace kaz::vision {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr int kMinPixels = 25;
+constexpr int kMinMarkedPixels = 25;
 constexpr double kOneHue_rad = 0.6, kNoise_rad = 0.06;
 constexpr double kGrey = 0.15;  // of chroma over lightness; pure red has 2.1
 constexpr double kDark = 8;     // of 255: the hue of darker pixels is noise
@@ -57,7 +57,43 @@ void measure(const Image& image, const PictureRegion& region, LearnedColor& lear
   learned.outside = others > 0 ? static_cast<double>(all - inside) / others : 0;
 }
 
+// Widens `range` to contain `other`. Hues are angles, so `other` is first turned near to the range.
+void widen(ColorRange& range, ColorRange other) {
+  const double apart = range.hue_min + range.hue_max - other.hue_min - other.hue_max;
+  const double turns = 2 * std::numbers::pi * std::round(apart / (4 * std::numbers::pi));
+  range.hue_min = std::min(range.hue_min, other.hue_min + turns);
+  range.hue_max = std::max(range.hue_max, other.hue_max + turns);
+  range.saturation_min = std::min(range.saturation_min, other.saturation_min);
+  range.y_min = std::min(range.y_min, other.y_min);
+}
+
 }  // namespace
+
+Result<LearnedColor> learn_color(std::span<const MarkedPicture> pictures) {
+  if (pictures.empty()) return fail(Fault::usage, "no picture to learn a color from: give one");
+  LearnedColor all;
+  for (const MarkedPicture& picture : pictures) {
+    const auto learned = learn_color(picture.image, picture.region);
+    if (!learned) return fail(learned.error().fault, picture.name + ": " + learned.error().message);
+    if (&picture == pictures.data()) {
+      all.range = learned->range;
+    } else {
+      widen(all.range, learned->range);
+    }
+    if (all.range.hue_max - all.range.hue_min >= std::numbers::pi)
+      return fail(Fault::failed,
+                  picture.name +
+                      ": its color differs too much from that of the pictures before "
+                      "it: mark the same object in all pictures");
+  }
+  for (const MarkedPicture& picture : pictures) {
+    LearnedColor one{all.range, 0, 0};
+    measure(picture.image, picture.region, one);
+    all.inside += one.inside / static_cast<double>(pictures.size());
+    all.outside += one.outside / static_cast<double>(pictures.size());
+  }
+  return all;
+}
 
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region) {
   const auto bytes =
@@ -69,9 +105,10 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
     return fail(Fault::usage, "the region " + text(region) + " is not within the picture of " +
                                   std::to_string(image.width) + " x " +
                                   std::to_string(image.height) + " pixels");
-  if (static_cast<long>(region.width) * region.height < kMinPixels)
+  if (static_cast<long>(region.width) * region.height < kMinMarkedPixels)
     return fail(Fault::usage, "the region " + text(region) + " has fewer than " +
-                                  std::to_string(kMinPixels) + " pixels: mark more of the object");
+                                  std::to_string(kMinMarkedPixels) +
+                                  " pixels: mark more of the object");
   const std::vector<Yiq> pixels = pixels_of(image, region);
   double i = 0, q = 0, chroma = 0, lightness = 0;
   for (const Yiq& p : pixels) {
@@ -86,7 +123,7 @@ Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region
   const double middle = std::atan2(q, i);
   std::vector<double> hue, saturation, y;
   for (const Yiq& p : pixels) {
-    const double off = std::remainder(std::atan2(p.q, p.i) - middle, 2 * kPi);
+    const double off = std::remainder(std::atan2(p.q, p.i) - middle, 2 * std::numbers::pi);
     const double s = std::hypot(p.i, p.q) / std::max(p.y, 1.0);
     if (p.y < kDark || s < kGrey || std::abs(off) > kOneHue_rad) continue;
     hue.push_back(off);

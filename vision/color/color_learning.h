@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "shared/base/result.hpp"
 #include "vision/color/color.h"
 
@@ -29,5 +32,17 @@ struct LearnedColor {
 // minimum lightness is 0.5 times the second percentile of their lightness. With the factors 0.8 and 0.5, the
 // range includes the shaded side of the object. Error: a gray object, which has no hue.
 Result<LearnedColor> learn_color(const Image& image, const PictureRegion& region);
+
+// A picture with a marked region. `name` is for error messages.
+struct MarkedPicture {
+  std::string name;
+  Image image;
+  PictureRegion region;
+};
+
+// Learns the color from several pictures, for example of other places, cameras or light. The result is the
+// smallest range that contains the ranges of all pictures. `inside` and `outside` are means over the
+// pictures. Errors: no picture, the error of a picture, or hues that differ by pi or more.
+Result<LearnedColor> learn_color(std::span<const MarkedPicture> pictures);
 
 }  // namespace kaz::vision

@@ -101,5 +101,45 @@ TEST(LearnColor, RefusesWhatHasNoColourOfItsOwn) {
   EXPECT_TRUE(holds(message(stripes, {0, 0, 60, 20}), "several colors"));
 }
 
+TEST(LearnColor, SeveralPicturesGiveOneRangeForAll) {
+  const TestColor colors[] = {{230, 140, 20}, {190, 190, 40}, {20, 150, 170}, {20, 150, 200}};
+  const auto marked = [&](std::size_t i) {
+    const Scene scene(colors[i]);
+    return MarkedPicture{"picture " + std::to_string(i), scene.image, scene.around(0.6)};
+  };
+  // The last two lie on both sides of where atan2 jumps.
+  for (const auto& [first, second] : {std::pair<std::size_t, std::size_t>{0, 1}, {2, 3}, {3, 2}}) {
+    const std::vector<MarkedPicture> pictures{marked(first), marked(second)};
+    const auto both = learn_color(pictures);
+    ASSERT_TRUE(both) << both.error().message;
+    EXPECT_GT(both->inside, 0.95);
+    const ColorExtractor extractor(both->range);
+    for (const MarkedPicture& picture : pictures) {
+      const auto alone = learn_color(picture.image, picture.region);
+      EXPECT_LE(both->range.saturation_min, alone->range.saturation_min);
+      const std::uint8_t* p =
+          &picture.image.rgb[static_cast<std::size_t>(130 * picture.image.width + 190) * 3];
+      EXPECT_TRUE(extractor.contains(p[0], p[1], p[2])) << picture.name;
+    }
+    EXPECT_LT(both->range.hue_max - both->range.hue_min, 1.5);
+  }
+}
+
+TEST(LearnColor, SeveralPicturesNameTheBadOne) {
+  const Scene red(kTestRed), blue({30, 60, 190});
+  const MarkedPicture good{"a.png", red.image, red.around(0.6)};
+  const std::vector<MarkedPicture> outside{good, {"b.png", red.image, {310, 10, 40, 40}}};
+  const auto refused = learn_color(outside);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message.rfind("b.png: the region", 0), 0u) << refused.error().message;
+  const std::vector<MarkedPicture> apart{good,
+                                         {"c.png", blue.image, blue.around(0.6)},
+                                         {"d.png", Scene({30, 160, 50}).image, blue.around(0.6)}};
+  const auto wide = learn_color(apart);
+  ASSERT_FALSE(wide);
+  EXPECT_NE(wide.error().message.find("differs too much"), std::string::npos);
+  EXPECT_FALSE(learn_color(std::span<const MarkedPicture>{}));
+}
+
 }  // namespace
 }  // namespace kaz::vision
