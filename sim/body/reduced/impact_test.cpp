@@ -135,7 +135,9 @@ TEST_P(Impact, RisesToTheSquareOfRestitution) {
     last = z;
   }
   // Without restitution, a landing may end up to a step below the surface and is pushed out of it.
-  if (restitution == 0) EXPECT_LT(column.height(), 2e-3);
+  if (restitution == 0) {
+    EXPECT_LT(column.height(), 2e-3);
+  }
   EXPECT_EQ(peaks, restitution == 1 ? 10 : restitution == 0.8 ? 8 : restitution == 0.5 ? 2 : 0);
   EXPECT_LT(low, 0.001);
 }
