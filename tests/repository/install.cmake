@@ -65,7 +65,7 @@ consume(servo_bus kaz::servo_bus "Eigen3;asmjit;OpenSSL;sdformat12;ZLIB;PkgConfi
 consume(h8s kaz::h8s "Eigen3;${simulation}")
 consume(vision kaz::vision "asmjit;nlohmann_json;OpenSSL;sdformat12;ZLIB")
 consume(host "kaz::behavior;kaz::link" "asmjit;OpenSSL;sdformat12;ZLIB")
-consume(body kaz::body "asmjit;nlohmann_json;OpenSSL;ZLIB")
+consume(body kaz::body "asmjit;OpenSSL;ZLIB")
 consume(bus kaz::bus "asmjit;OpenSSL;ZLIB")
 consume(bench kaz::measurements "asmjit;OpenSSL;sdformat12;ZLIB")
 consume(sim kaz::runtime "")

@@ -35,7 +35,7 @@ std::vector<TypedOption> options_of(const std::string& help) {
 // picture (arguments_test.cpp, vision_verb_test.cpp).
 bool is_text(const std::string& value) {
   static const std::string kTexts =
-      " FILE [FILE] DIR PATH PORT NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
+      " FILE [FILE] DIR PATH PORT MODEL NAME NAME|FILE NAME,NAME NAMES PNG PATTERN PICTURE SOURCE "
       "CAMERA "
       "ROBOT HOW NAME=VALUE NAME=DEGREES REGEX LIST BEGIN,END X,Y,W,H COLUMNSxROWS I/N "
       "PORT|PATH|- KIND:PATH native|h8|KIND:PATH "

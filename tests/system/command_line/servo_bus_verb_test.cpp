@@ -254,9 +254,9 @@ TEST(ServoBusVerb, APendulumIsRecordedAndItsServoFitted) {
   const Finished fitted = run(kaz(fit), seconds(60));
   ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
   const auto model = parse_json(fitted.out)["models"][0];
-  // In real time, beside others: 1 degree. The motor file has 1.239 Nm/A.
+  // In real time, beside others: 1 degree. The motor file has 1.297 Nm/A.
   EXPECT_LT(model["held_out"]["position_rad"].get<double>(), 0.0175);
-  EXPECT_NEAR(model["params"]["kt"]["value"].get<double>(), 1.239, 0.3);
+  EXPECT_NEAR(model["params"]["kt"]["value"].get<double>(), 1.297, 0.3);
   sim.signal(SIGINT);
   EXPECT_EQ(sim.wait(seconds(10)).exit_code, 0);
 }
