@@ -76,7 +76,7 @@ constexpr const char* kServoFile =
     R"("viscous": {"unit": "N m s/rad", "value": 0}, "coasting": {"unit": "N m", "value": 0},)"
     R"("gain_ratio": {"unit": "1", "value": 1}, "error_bias": {"unit": "rad", "value": 0},)"
     R"("delay": {"unit": "s", "value": 0.02}, "slew": {"unit": "rad/s", "value": 5},)"
-    R"("lag": {"unit": "s", "value": 0}}})";
+    R"("lag": {"unit": "s", "value": 0}, "most_current": {"unit": "A", "value": 1000}}})";
 
 TEST(MotorFile, NamesAnIdentifiedServo) {
   const test::Folder folder;

@@ -132,11 +132,11 @@ TEST(ContactFit, RecoversTheParametersOfGeneratedTosses) {
   const auto at_start = toss_errors(*engine, tosses, engine->start(), 1);
   ASSERT_TRUE(at_start);
   EXPECT_LT(fit->score, 0.1 * mean(*at_start));
-  // Restitution and softness both give the bounce, so they are the least certain.
   EXPECT_NEAR(fit->values[0] / truth[0], 1, 0.05);
   EXPECT_NEAR(fit->values[1], truth[1], 0.12);
-  EXPECT_NEAR(fit->values[2] / truth[2], 1, 0.3);
-  EXPECT_NEAR(fit->values[3], truth[3], 3e-4);
+  // Impacts do not depend on the softness. It only lowers a cube at rest, by some 0.1 mm, as a lower floor
+  // does, so the tosses do not determine the two apart.
+  EXPECT_NEAR(fit->values[3], truth[3], 5e-4);
 }
 
 TEST(ContactStudy, JudgesEachFoldByTheOtherAndIsDeterministic) {
