@@ -235,8 +235,8 @@ TEST(ServoBusVerb, APendulumIsRecordedAndItsServoFitted) {
   EXPECT_EQ(nobody.exit_code, 2) << nobody.err;
   EXPECT_NE(nobody.err.find("nothing was moved"), std::string::npos) << nobody.err;
 
-  const Finished done =
-      run(record({"--yes", "--seconds", "3", "--out", folder / "logs", "--json"}), seconds(120));
+  // With --seconds 3, the motions are so fast that the fitted torque constant is 30 % too high.
+  const Finished done = run(record({"--yes", "--out", folder / "logs", "--json"}), seconds(300));
   ASSERT_EQ(done.exit_code, 0) << done.out << done.err;
   EXPECT_EQ(torque(), 0);
   std::vector<std::string> fit{"bench", "servo"}, held{"--held-out"};
@@ -251,7 +251,7 @@ TEST(ServoBusVerb, APendulumIsRecordedAndItsServoFitted) {
   fit.insert(fit.end(), held.begin(), held.end());
   for (const char* word : {"--model", "1", "--json", "--out"}) fit.push_back(word);
   fit.push_back(folder / "fit");
-  const Finished fitted = run(kaz(fit), seconds(60));
+  const Finished fitted = run(kaz(fit), seconds(300));
   ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
   const auto model = parse_json(fitted.out)["models"][0];
   // In real time, beside others: 1 degree. The motor file has 1.297 Nm/A.
