@@ -42,7 +42,7 @@ std::string not_of_a_stand(const CLI::App& verb) {
   return "";
 }
 
-// The error for an option that needs another option in a simulator of a robot; empty if there is none.
+// Returns an error if an option needs another option in a simulator of a robot; otherwise an empty text.
 std::string not_of_a_robot(const CLI::App& verb) {
   if (verb.get_option("--motor")->count() > 0)
     return "--motor needs --stand or --bus; leave --motor out";
