@@ -82,9 +82,18 @@ TEST(PendulumRecorder, ItsLogsAreFittedAndOthersPredicted) {
   EXPECT_LT(fit.held_out.position_rad, 0.003);
   EXPECT_LT(fit.held_out.current_share, 0.12);
   EXPECT_NEAR(fit.params.kt, 1.297, 0.05 * 1.297);
-  EXPECT_GT(fit.params.resistance, 3);
-  EXPECT_LT(fit.params.resistance, 1.2 * 3) << "a warm winding";
+  // 7 % too high (3.25 ohm); the cause is not known. The winding is at 27.5 C, which adds 1 %.
+  const double warm = bus->world().joints()[0].winding_celsius;
+  const double resistance = 3 * (1 + 0.00393 * (warm - 25));
+  EXPECT_NEAR(fit.params.resistance, resistance, 0.1 * resistance) << warm << " C";
   EXPECT_NEAR(fit.params.armature, servo.armature, 0.05 * servo.armature);
+  // The logs do not determine the parameters of M6's friction one by one, nor the friction of a motor that
+  // holds a falling weight back. Free, and when it lifts a weight:
+  for (const double speed : {0.3, 1.0, 2.0})
+    for (const auto& [motor, weight] : {std::pair{0.1, 0.0}, {0.4, -0.3}})
+      EXPECT_NEAR(servo_model::friction_limit(6, fit.params, speed, motor, weight),
+                  servo_model::friction_limit(6, servo, speed, motor, weight), 0.02)
+          << speed << " rad/s, " << weight << " Nm";
   EXPECT_LT(fit.params.delay, 0.002)
       << "the recorded goal is the servo's setpoint, after the delay";
   // Another weight than stated is another servo: the fit is worse, or the motor another one.
