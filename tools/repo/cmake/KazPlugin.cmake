@@ -25,3 +25,11 @@ configure_file(${PROJECT_SOURCE_DIR}/tools/repo/cmake/kazPluginConfig.cmake.in
 # Behind this first, coarse check the program compares the id of the headers when it loads a plug-in.
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kazPluginConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+
+# A module, which programs load when they need it (shared/base/module.hpp). Its copy of `library` stays hidden.
+function(kaz_module target source library)
+  add_library(${target} MODULE ${source})
+  target_link_libraries(${target} PRIVATE kaz_flags ${library})
+  target_link_options(${target} PRIVATE "LINKER:--exclude-libs,ALL")
+  add_dependencies(${target} kaz_interface_header)
+endfunction()
